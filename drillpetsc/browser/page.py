@@ -62,7 +62,10 @@ def export_page(source: RunSource) -> tuple[str, list[str]]:
         "times": [frame["time"] for frame in frames],
     }
     news["columns"] = {
-        title: _joined([part["columns"][title] for part in parts]) for title in last["columns"]
+        title: base64.b64encode(b"".join(base64.b64decode(part["columns"][title]) for part in parts)).decode(
+            "ascii"
+        )
+        for title in last["columns"]
     }
     data = json.dumps({"news": news, "frames": frames, "arrays": list(pool)}).replace("<", "\\u003c")
     return render("run", title=news["title"], data=data, plotly=script_that_draws()), remarks
@@ -78,8 +81,3 @@ def _fitting(source: RunSource, count: int, remarks: list[str]) -> range:
     if len(kept) < count:
         remarks.append(f"{len(kept)} of {count} frames, to keep the file small")
     return kept
-
-
-def _joined(texts: list[str]) -> str:
-    """Base64 texts of the parts of an array as one."""
-    return base64.b64encode(b"".join(map(base64.b64decode, texts))).decode("ascii")

@@ -7,21 +7,22 @@ from __future__ import annotations
 
 import base64
 import contextlib
+import os
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.browser.tail import Tail
 from drillpetsc.case import Case, load_case
 from drillpetsc.errors import DrillError
 from drillpetsc.output.files.fields import read_series
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.lock import writer_of
 from drillpetsc.output.files.run_folder import RunFolder
-from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.tables import read_table, read_titles
 from drillpetsc.output.files.vtk import Frame, read_frame
 from drillpetsc.output.shown_units import unit_of
 from drillpetsc.plotting import style
@@ -29,6 +30,75 @@ from drillpetsc.plotting.run.place import Wall, place_of, read_wall
 from drillpetsc.plotting.run.plot import grouped
 from drillpetsc.reporting.units import label_of
 from drillpetsc.unit_systems import System
+
+
+class Tail:
+    """The rows of a CSV table of numbers that a run may be writing.
+
+    titles: of its columns.
+    damaged: number of rows that cannot be read and are left out.
+    series: a name of the file; it changes if the file is replaced, and rows count from 0 again.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._forget()
+
+    def _forget(self) -> None:
+        self.titles: list[str] = []
+        self.damaged = 0
+        self.series, self._offset, self._rows, self._parts = "", 0, 0, list[np.ndarray]()
+
+    def read(self) -> str:
+        """Read what is new; returns the series.  Raises ValueError for a file without a header."""
+        try:
+            state = os.stat(self.path)
+        except FileNotFoundError:
+            self._forget()
+            return ""
+        series = f"{state.st_dev}-{state.st_ino}"
+        if series != self.series or state.st_size < self._offset:
+            self._forget()
+            self.titles = read_titles(self.path)
+            self.series = series
+        with open(self.path, "rb") as file:
+            file.seek(self._offset)
+            new = file.read()
+        whole = new.rfind(b"\n") + 1  # the last row may be half written
+        lines = new[:whole].decode("utf-8", errors="replace").splitlines()
+        if self._offset == 0:
+            lines = lines[1:]
+        self._offset += whole
+        rows = [row for row in (_numbers(line, len(self.titles)) for line in lines) if row is not None]
+        if rows:
+            self._parts.append(np.array(rows))
+            self._rows += len(rows)
+        self.damaged += len(lines) - len(rows)
+        return self.series
+
+    def __len__(self) -> int:
+        return self._rows
+
+    def rows(self, first: int, last: int) -> np.ndarray:
+        """Rows (last - first, columns)."""
+        if len(self._parts) > 1:
+            self._parts = [np.concatenate(self._parts)]
+        return self._parts[0][first:last] if self._parts else np.zeros((0, len(self.titles)))
+
+    @property
+    def last_time(self) -> float | None:
+        """The first value of the last row; None without rows."""
+        return float(self._parts[-1][-1, 0]) if self._parts else None
+
+
+def _numbers(line: str, count: int) -> list[float] | None:
+    """The numbers of a row, None if they are not ``count`` numbers."""
+    words = line.split(",")
+    try:
+        return [float(word) for word in words] if len(words) == count else None
+    except ValueError:
+        return None
+
 
 PLACE = ("md [m]", "outer_radius [m]", "hole_radius [m]", "offset_x [m]", "offset_y [m]")
 DISTANCE = "distance_from_centre [m]"
@@ -256,7 +326,7 @@ class RunSource:
         new = [file for _, file in frames if file not in self._ranged][:MOST_FRAMES]
         for file in new:
             self._ranged.add(file)
-            frame = self._try(f"string/{file.name}", lambda file=file: read_frame(file), None)  # type: ignore[misc]
+            frame = self._try(f"string/{file.name}", partial(read_frame, file), None)
             for name, values in self._values(self._with_statics(frame)).items() if frame is not None else ():
                 finite = values[np.isfinite(values)]
                 if finite.size:

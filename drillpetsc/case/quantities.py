@@ -323,7 +323,7 @@ class WordOrNumber:
     @property
     def json_schema_input_type(self) -> Any:
         """Type of the words, for the manual."""
-        return Literal[self._all_words]  # type: ignore[valid-type]
+        return Literal[self._all_words]
 
     def allowed(self) -> str:
         """The range of the number in words, empty when unbounded."""

@@ -14,7 +14,7 @@ from typing import Any, get_args, get_origin
 
 from drillpetsc import __version__, operations
 from drillpetsc.errors import CaseError, DrillError, SolveError
-from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Operation, Option
+from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Option
 from drillpetsc.operations.shell import EPILOG, EXIT_STATUS
 from drillpetsc.parallel import report_error, report_interrupt
 
@@ -95,15 +95,10 @@ def parser() -> argparse.ArgumentParser:
             description=operation.summary(),
             **(_PARSER_STYLE if operation.petsc else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
         )
-        add_options(command, operation)
+        for option in operation.options():
+            if Mark.PYTHON not in option.marks:
+                _add_option(command, option)
     return whole
-
-
-def add_options(command: argparse.ArgumentParser, operation: type[Operation]) -> None:
-    """Add the options of an operation to its parser."""
-    for option in operation.options():
-        if Mark.PYTHON not in option.marks:
-            _add_option(command, option)
 
 
 def _add_option(command: argparse.ArgumentParser, option: Option) -> None:

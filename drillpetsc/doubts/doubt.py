@@ -22,9 +22,22 @@ from dataclasses import dataclass
 from string import Formatter
 from typing import Any, ClassVar, Literal
 
+from drillpetsc.case.case import Case
 from drillpetsc.unit_systems import KINDS, System, display_unit, duration, shown
 
 Weight = Literal["warning", "remark"]
+
+
+@dataclass(frozen=True)
+class CaseMoment:
+    """A moment of a case, at which doubts may appear."""
+
+    case: Case
+
+    @property
+    def units(self) -> System:
+        """Units of the reader."""
+        return self.case.shown_units
 
 
 class Doubt:

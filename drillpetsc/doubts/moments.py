@@ -9,6 +9,7 @@ from typing import Any
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
+from drillpetsc.doubts.doubt import CaseMoment
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import top_of_string
 from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
@@ -61,16 +62,10 @@ class Built(Moment):
 
 
 @dataclass(frozen=True)
-class Tuned:
+class Tuned(CaseMoment):
     """Controllers of the top drive have been tuned, without a model of the string (top-drive)."""
 
-    case: Case
     laws: tuple[Law, ...]
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from drillpetsc.case.blocks.top_drive import PythonController
 from drillpetsc.doubts.doubt import Doubt
 from drillpetsc.doubts.moments import Built, End, Freed, Moment, Start, Tuned
 from drillpetsc.model.drilling_model import is_quasi_static
-from drillpetsc.model.top.hoist import autodriller_of
+from drillpetsc.model.top import autodriller_of
 from drillpetsc.output.balances.energy_balance import GAINED
 from drillpetsc.output.watches.creep import held_by_creep
 from drillpetsc.output.watches.operation_watch import NEAR_STALL, Spell

@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.doubts.doubt import Doubt, written
 from drillpetsc.doubts.moments import Answer, Flowing, Rest, Start
-from drillpetsc.output.measured.mud_column import below_flow_line
+from drillpetsc.output.measured.in_hole import below_flow_line
 from drillpetsc.output.watches.operation_watch import LEAST_PUSH
 from drillpetsc.parallel import total
 from drillpetsc.physics.contact import RESULTS

@@ -82,7 +82,7 @@ class Assembly(BlockState):
             for c in prescribed
             if c.vertex in local
         ]
-        self._after_blocks = size
+        self.after_blocks = size
         size = size + 49 * sum(f.owned for f in self.row_replacements)
         self.stabilized = [
             BoundStabilization(c, layout, self.bound_blocks, self.row_replacements) for c in stabilizations
@@ -120,7 +120,7 @@ class Assembly(BlockState):
         both = np.empty((2, len(self.values)), dtype=np.int32)
         for b in self.bound_blocks:
             b.write_places(*(out[b.span].reshape(b.count, b.width, b.width) for out in both))
-        both[:, self._after_blocks :] = self._places_after_blocks()
+        both[:, self.after_blocks :] = self._places_after_blocks()
         return both[0], both[1]
 
     def _places_after_blocks(self) -> np.ndarray:
@@ -145,8 +145,8 @@ class Assembly(BlockState):
         self._holds_rates = any(b.holds_rates for b in self.bound_blocks)
         self._calls = None
         x, _, _, r = self.state_at
-        self._held_state = x, pointer(values[0]), pointer(values[1]), r
-        self._held_head = pointer(weights), pointer(spin), *self._held_state[:3]
+        self.held_state = x, pointer(values[0]), pointer(values[1]), r
+        self._held_head = pointer(weights), pointer(spin), *self.held_state[:3]
 
     def freeze(self, mask: np.ndarray | None) -> None:
         """Fix the unknowns of ``mask`` (n,) at their values; None releases all.
@@ -161,7 +161,7 @@ class Assembly(BlockState):
         rows, columns = self._places_after_blocks()
         others = fixed[rows] | fixed[columns]
         diagonal = fixed[rows] & (rows == columns)
-        start = self._after_blocks
+        start = self.after_blocks
         self._frozen = (
             np.flatnonzero(mask),
             blocks,
@@ -295,11 +295,6 @@ class Assembly(BlockState):
         return self._calls
 
     @property
-    def held_state(self) -> tuple[int, ...]:
-        """The same for blocks with held rates."""
-        return self._held_state
-
-    @property
     def spins_at(self) -> tuple[int, int, int]:
         """Number of nodes with a spin angle, addresses of ``spin_at`` and ``reference``."""
         return self._nodes
@@ -308,11 +303,6 @@ class Assembly(BlockState):
     def weights_at(self) -> tuple[int, int]:
         """Addresses of the weights of the Jacobian's parts and of the derivatives of the spin rates."""
         return self._weights_at, self._spin_at
-
-    @property
-    def entries_of_blocks(self) -> int:
-        """Number of the Jacobian entries of all blocks."""
-        return self._after_blocks
 
     def prepare_step(self, t: float, sigma: float, second: float) -> StepCalls | None:
         """Set the data that the compiled calls of a condensed step at time ``t`` [s] need.
@@ -394,7 +384,7 @@ class Assembly(BlockState):
                 b.event.begin()
                 if b.block.update:
                     b.update_parameters(t)
-                b.residual(*b.head, *(self._held_state if b.holds_rates else self.state_at))
+                b.residual(*b.head, *(self.held_state if b.holds_rates else self.state_at))
                 b.event.end()
 
     def partial_residual(self, t: float, chosen: Callable[[ElementBlock], bool]) -> FloatArray:
@@ -459,7 +449,7 @@ class Assembly(BlockState):
         for q in self.stabilized:
             q.fill(self.x, self.y, self.a, c, self.values[start : start + len(q.rows)])
             start += len(q.rows)
-        self.replace_jacobian_rows(1.0 if c[0] else 0.0)
+        _prescribed_entries(self.calls.jacobian_at, 1.0 if c[0] else 0.0)  # 1 with dR/dx in the sum
         if self._frozen is not None:
             self._fix_matrix_entries()
         self.version += 1
@@ -497,10 +487,6 @@ class Assembly(BlockState):
         self._weights[:] = weights
         if len(other):
             self.values[b.span][other] = with_rates
-
-    def replace_jacobian_rows(self, by_position: float) -> None:
-        """Replace the rows along prescribed directions; ``by_position``: 1 with dR/dx in the sum, else 0."""
-        _prescribed_entries(self.calls.jacobian_at, by_position)
 
 
 def spin_derivatives(asm: Assembly) -> tuple[FloatArray, FloatArray]:
@@ -577,7 +563,7 @@ class StepCalls:
     def _prescribed_matrices(asm: Assembly) -> ctypes.Array:
         """Entries at prescribed motion; the entries of this rank's nodes follow the blocks' entries."""
         calls = (_PrescribedMatrix * len(asm.row_replacements))()
-        at = pointer(asm.values) + 8 * asm.entries_of_blocks
+        at = pointer(asm.values) + 8 * asm.after_blocks
         for call, f in zip(calls, asm.row_replacements, strict=True):
             fill_prescribed(call, f, f.all_elements)
             call.projector, call.applied = pointer(f.projector), pointer(f.applied)

@@ -48,6 +48,28 @@ class ClosestPoints:
     segment: NDArray[np.int32]
 
 
+@dataclass(frozen=True)
+class StraightAxis:
+    """The axis of a string that lies in no hole: a straight line without ends.
+
+    start: (3,) point at measured depth 0 [m]; direction: (3,) unit vector down the line.
+    """
+
+    start: Array
+    direction: Array
+
+    def project(self, points: Array) -> ClosestPoints:
+        """Closest points to ``points`` (n, 3) [m]; no wall is near."""
+        d = points - self.start
+        md = np.sum(d * self.direction, axis=1)
+        along = md[:, None] * self.direction
+        n, tangent = len(d), np.tile(self.direction, (len(d), 1))
+        nothing = np.zeros(n, dtype=np.int32)
+        return ClosestPoints(
+            md, self.start + along, tangent, d - along, np.full(n, np.inf), np.zeros(n), nothing
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Well:
     """Centreline nodes and hole sections; `from_survey` creates one from a survey.

@@ -18,7 +18,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
-from drillpetsc.geometry.well import Well
+from drillpetsc.geometry.well import StraightAxis, Well
 from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
 from drillpetsc.model.hole import build_well, hole_depth
 from drillpetsc.model.mesh import MeshOf, build_mesh, curvature_by_tool_face
@@ -29,8 +29,7 @@ from drillpetsc.model.tools.agitator import build_agitators
 from drillpetsc.model.tools.mud_motor import build_mud_motor
 from drillpetsc.model.tools.reamer import build_reamers, well_of_reamer
 from drillpetsc.model.tools.steering import build_steering
-from drillpetsc.model.top.hoist import build_hoist, connect_sensors
-from drillpetsc.model.top.top_drive import build_drive
+from drillpetsc.model.top import build_drive, build_hoist, connect_sensors
 from drillpetsc.model.wall import mean_and_hardness
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.beam import AncfBeam
@@ -117,6 +116,11 @@ class DrillingModel:
             mass += mud.constants.density * mud.bore.bore.area if mud.bore is not None else 0.0
             mass -= mud.constants.density * mud.annulus.annulus.outer if mud.annulus is not None else 0.0
         return mass
+
+    @property
+    def axis(self) -> Well | StraightAxis:
+        """The axis of the hole, or the straight line of a string without a hole."""
+        return self.well or StraightAxis(self.position[0], self.tangent[0])
 
     @property
     def annulus(self) -> AnnulusFlow | None:

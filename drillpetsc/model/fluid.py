@@ -134,7 +134,7 @@ def build_rheology(case: Case, annulus: bool = False) -> Rheology:
         yield_stress=yield_stress,
         shear_rate_eps=q.shear_rate,
         curve=curve,
-    )  # type: ignore[attr-defined]
+    )
 
 
 @dataclass(frozen=True)

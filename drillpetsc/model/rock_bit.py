@@ -24,9 +24,8 @@ from drillpetsc.physics.bit.bit_laws import (
 )
 from drillpetsc.physics.bit.bit_side import Gauge, SideLaw
 from drillpetsc.physics.bit.rock_bit import RockBit
-from drillpetsc.physics.contact import damping_factor
+from drillpetsc.physics.contact import ROCK_POISSON, STEEL_YOUNG, damping_factor, line_stiffness
 from drillpetsc.physics.own_law import BIT, ROCK, OwnLaw
-from drillpetsc.physics.wall_stiffness import ROCK_POISSON, STEEL_YOUNG, line_stiffness
 
 ROCK_STRENGTH = 60e6  # of a bit that cuts sideways, if not given [Pa]
 

@@ -131,7 +131,7 @@ def estimate_forces(
         for drag in _drags(case, motion, 0.5 * float(outer.max(initial=0.0)))
     ]
     if case.top.force is not None or case.top.kind == "free":
-        profiles = [pieces.from_top(value) for value in _top_forces(case)]
+        profiles = [value - np.cumsum(pieces.along) + 0.5 * pieces.along for value in _top_forces(case)]
     stack = np.array(profiles)
     low, high = stack.min(axis=0), stack.max(axis=0)
     extreme = np.where(np.abs(low) > np.abs(high), low, high)
@@ -200,10 +200,6 @@ class _Pieces:
             above = max(above, -crushing)
             out[i], below = 0.5 * (below + above), above
         return out
-
-    def from_top(self, top: float) -> FloatArray:
-        """Mean axial force (n,) of the pieces [N] without friction from the force at the top."""
-        return top - np.cumsum(self.along) + 0.5 * self.along
 
 
 def _top(case: Case) -> float:

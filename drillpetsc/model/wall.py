@@ -9,7 +9,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.hole import top_of_string
-from drillpetsc.physics.wall_stiffness import (
+from drillpetsc.physics.contact import (
     ROCK_POISSON,
     STEEL_POISSON,
     STEEL_YOUNG,

@@ -204,8 +204,8 @@ class Limits(AtBitDepth, DrawnOperation):
     ] = None
 
     def compute(self, job: Any) -> Any:
+        from drillpetsc.analysis.loads.limits.fatigue import read_sn
         from drillpetsc.analysis.loads.limits.limits import run_limits
-        from drillpetsc.analysis.loads.limits.sn_curve import read_sn
         from drillpetsc.analysis.loads.limits.table import Choices
 
         curve = None if self.sn is None else read_sn(self.sn)

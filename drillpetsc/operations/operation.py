@@ -275,7 +275,7 @@ class FolderOperation(CaseOperation):
 
     def call(self) -> Any:
         """Run the operation for Python; returns its result, with tables and pictures."""
-        from drillpetsc.output.result import RunResult
+        from drillpetsc.output.job import RunResult
         from drillpetsc.results.result import result_of
 
         result = super().call()

@@ -8,7 +8,7 @@ from drillpetsc.output.files.fields import FieldWriter, read_series, write_well
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.lock import RunFolderBusy
 from drillpetsc.output.files.run_folder import RunFolder, RunFolderExists, RunFolderMissing
-from drillpetsc.output.files.tables import Table, read_table, write_table
+from drillpetsc.output.files.tables import Table, read_table, write_rows, write_table
 from drillpetsc.output.files.vtk import Frame, read_frame
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "read_series",
     "read_summary",
     "read_table",
+    "write_rows",
     "write_summary",
     "write_table",
     "write_well",

@@ -18,7 +18,6 @@ from drillpetsc.output.quantities import (
     sensitivities,
     sensors,
     torque_drag,
-    uncertain,
     vibration,
 )
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
@@ -197,9 +196,9 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         ),
         "sensitivities.csv": _listed(sensitivities.SENSITIVITIES),
         "sensitivities_history.csv": _listed((measured.TIME, *sensitivities.SENSITIVITIES_OVER_TIME)),
-        "uncertain.csv": _listed(uncertain.UNCERTAIN),
-        "uncertain_limits.csv": _listed(uncertain.UNCERTAIN_LIMITS),
-        "uncertain_shares.csv": _listed(uncertain.UNCERTAIN_SHARES),
+        "uncertain.csv": _listed(sensitivities.UNCERTAIN),
+        "uncertain_limits.csv": _listed(sensitivities.UNCERTAIN_LIMITS),
+        "uncertain_shares.csv": _listed(sensitivities.UNCERTAIN_SHARES),
         "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
         "contacts.csv": _listed(limits.CONTACTS),
     }

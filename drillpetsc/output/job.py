@@ -1,15 +1,28 @@
-"""What the computation of a command works on: a case, and where its results go."""
+"""What the computation of a command works on, and what it returns: its run folder, its summary and its report for the screen."""
 
 from __future__ import annotations
 
 import shlex
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from drillpetsc.case.case import Case
 from drillpetsc.output.files.run_folder import RunFolder, make_folder
-from drillpetsc.output.result import RunResult
+
+
+@dataclass
+class RunResult:
+    """Results of a command; the same on all ranks.
+
+    folder: run folder
+    summary: contents of its summary.json
+    lines: report for the screen
+    """
+
+    folder: Path
+    summary: dict[str, Any] = field(default_factory=dict)
+    lines: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -42,6 +55,11 @@ class Job:
         """The result in a run folder; the last line for the screen says how it is drawn again."""
         plot = f"scripts/drillpetsc plot {shlex.quote(str(folder.path))}"
         return RunResult(folder.path, summary, [*lines, f"  results: {folder.path}   ({plot})"])
+
+    def noted(self, folder: RunFolder, summary: dict[str, Any], lines: list[str]) -> RunResult:
+        """The result in a run folder; the last lines for the screen are its warnings, as notes, and the folder."""
+        notes = (f"  note: {text}" for text in summary["warnings"])
+        return RunResult(folder.path, summary, [*lines, *notes, f"  results: {folder.path}"])
 
     def of(self, case: Case) -> Job:
         """The same job on another case."""

@@ -236,7 +236,9 @@ class Recorder:
         if self.energy is not None:
             self.energy.update(t)
             self._energies_at = t
-        self._keep_rows(times, dt, newton)
+        if self._keeps and times:
+            self._note_rows(times, dt, newton)
+            self._kept.append(np.array([self._at(t) for t in times]))
 
     @property
     def recorded(self) -> int:
@@ -326,12 +328,6 @@ class Recorder:
         """Drop the steps that wait: their outputs are lost."""
         self._waiting = []
         self._record.clear()
-
-    def _keep_rows(self, times: Sequence[float], dt: float, newton: float) -> None:
-        """Keep what the rows of both tables at ``times`` [s] after the last step need."""
-        if self._keeps and times:
-            self._note_rows(times, dt, newton)
-            self._kept.append(np.array([self._at(t) for t in times]))
 
     def _note_rows(self, times: Sequence[float], dt: float, newton: float) -> None:
         """Keep the numbers of rows at ``times`` [s] that do not come from a sample."""

@@ -13,8 +13,7 @@ from drillpetsc.output.catalogue import outputs_by_file
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.measured.bending import curvatures
 from drillpetsc.output.measured.flow_recorder import FlowRecorder, flow_recorder
-from drillpetsc.output.measured.in_hole import offsets
-from drillpetsc.output.measured.mud_column import below_flow_line, equivalent_density
+from drillpetsc.output.measured.in_hole import below_flow_line, equivalent_density, offsets
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_fields import StringFields
 from drillpetsc.output.quantities import BENDING

@@ -15,10 +15,9 @@ from drillpetsc.output.summaries.linear import (
 )
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.summaries.run import RunSummary
-from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
+from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary, UncertainSummary
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.summaries.summary import SummaryKey
-from drillpetsc.output.summaries.uncertain import UncertainSummary
 
 ROADMAP: tuple[SummaryKey, ...] = (
     SummaryKey("title", "", "Title of the case."),

@@ -9,7 +9,17 @@ from matplotlib.figure import Figure
 
 
 class Picture(Figure):
-    """A figure whose last line in a cell of a notebook is its picture."""
+    """A figure whose last line in a cell of a notebook is its picture.
+
+    top: height below the heading, as a fraction of the figure.
+    """
+
+    top = 1.0
+
+    def fitted(self, right: float = 1.0, bottom: float = 0.0, h_pad: float | None = None) -> Picture:
+        """Lay the panels out below the heading, up to these fractions of the figure, and return it."""
+        self.tight_layout(rect=(0, bottom, right, self.top), h_pad=h_pad)
+        return self
 
     def _repr_png_(self) -> bytes:
         file = BytesIO()

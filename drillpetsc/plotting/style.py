@@ -202,19 +202,17 @@ def is_noise(title: str, values: Any) -> bool:
     return bool(finite.size) and 0 < float(finite.max()) < NOISE.get(split_name(title)[1], 0.0)
 
 
-def heading(drawing: Any, text: str) -> float:
-    """Write a heading above a drawing, in as many lines as its width needs.
-
-    Returns the height below the heading, as a fraction of the drawing.
-    """
-    width, height = drawing.get_size_inches()
-    lines = textwrap.wrap(text, max(int((width - 0.4) / 0.105), 20))
+def sheet(width: float, height: float, heading: str) -> Any:
+    """A figure [in] under a heading, which has as many lines as the width needs; ``fitted`` places the panels below it."""
+    drawing = figure(width, height, dpi=110)
+    lines = textwrap.wrap(heading, max(int((width - 0.4) / 0.105), 20))
     # its place in inches: a share of a tall drawing would lie within the first panels
     above = 1.0 - 0.1 / float(height)
     text_box = drawing.suptitle("\n".join(lines), x=0.02, y=above, ha="left", fontweight="bold", fontsize=12)
     text_box.set_parse_math(False)  # a title may have a $
-    text_box.set_in_layout(False)  # the height returned leaves its place free
-    return 1.0 - (0.25 + 0.2 * len(lines)) / float(height)
+    text_box.set_in_layout(False)  # ``fitted`` leaves its place free
+    drawing.top = 1.0 - (0.25 + 0.2 * len(lines)) / float(height)
+    return drawing
 
 
 def limits_of_level(values: np.ndarray, noise: bool) -> tuple[float, float] | None:
@@ -273,8 +271,3 @@ def contours(axes: Any, at: tuple[Any, Any], values: Any) -> None:
             linestyles="solid",
         )
         axes.clabel(drawn, fontsize=7.5)
-
-
-def operating_point(axes: Any, x: float, y: float) -> None:
-    """Mark the point of the case in a map; the axes grow if it lies outside."""
-    axes.plot(x, y, "*", color="#ffd400", markeredgecolor="black", markersize=14, label="the case", zorder=6)

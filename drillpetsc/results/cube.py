@@ -1,10 +1,17 @@
-"""Tables over several variables as datasets: a roadmap over operation, friction and bit depth, a stability map over weight and speed."""
+"""Tables over several variables as labelled arrays: a roadmap over operation, friction and bit depth, a stability map over weight and speed,
+sensitivities over output and key.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.output.files.run_folder import ROADMAP_TABLE, STABILITY_RUNS_TABLE, STABILITY_TABLE
+from drillpetsc.output.files.run_folder import (
+    ROADMAP_TABLE,
+    SENSITIVITIES_TABLE,
+    STABILITY_RUNS_TABLE,
+    STABILITY_TABLE,
+)
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.results.datasets import Columns, Table, assembled
 from drillpetsc.results.described import attributes
@@ -76,3 +83,42 @@ def stability_map(table: Table, runs: Table, title: str = "") -> Columns:
             arrays[name], dims[name] = grid, tuple(axes)
             described[name] = attributes(heading, file, words=not numeric)
     return assembled(arrays, described, dims, set(axes), title)
+
+
+OF_OUTPUT = ("output_unit", "value")
+OF_KEY = ("key_unit", "key_value", "per")
+OF_BOTH = ("derivative", "relative", "effect", "effect_below", "effect_above", "flag")
+
+
+def sensitivity_table(table: Table, title: str = "") -> Columns:
+    """A dataset of xarray, or `Columns` if xarray is not installed, with the dimensions output and key.
+
+    table: sensitivities.csv by heading. An output of a roadmap at several bit depths is called `trip_out.hook_load at 1900 m`.
+    """
+    columns = {split_name(heading)[0]: (heading, np.asarray(values)) for heading, values in table.items()}
+    names, depths = columns["output"][1].astype(str), columns["bit_depth"][1].astype(float)
+    several = len(np.unique(depths[np.isfinite(depths)])) > 1
+    words = [
+        f"{n} at {d:.6g} m" if several and np.isfinite(d) else n for n, d in zip(names, depths, strict=True)
+    ]
+    keys = columns["key"][1].astype(str)
+    outputs, names_of_keys = list(dict.fromkeys(words)), list(dict.fromkeys(keys.tolist()))
+    row = np.array([outputs.index(word) for word in words]), np.array([names_of_keys.index(k) for k in keys])
+    arrays = {"output": np.array(outputs), "key": np.array(names_of_keys)}
+    dims: dict[str, tuple[str, ...]] = {"output": ("output",), "key": ("key",)}
+    for group, own, shape, at in (
+        (OF_OUTPUT, ("output",), (len(outputs),), row[:1]),
+        (OF_KEY, ("key",), (len(names_of_keys),), row[1:]),
+        (OF_BOTH, ("output", "key"), (len(outputs), len(names_of_keys)), row),
+    ):
+        for name in group:
+            values = columns[name][1]
+            numeric = values.dtype.kind in "fiu"
+            arrays[name] = np.full(shape, np.nan) if numeric else np.full(shape, "", dtype=object)
+            arrays[name][at] = values
+            dims[name] = own
+    described = {
+        name: attributes(columns[name][0], SENSITIVITIES_TABLE, words=arrays[name].dtype.kind not in "fiu")
+        for name in arrays
+    }
+    return assembled(arrays, described, dims, {"output", "key", *OF_OUTPUT, *OF_KEY}, title)

@@ -26,12 +26,11 @@ from drillpetsc.output.files.run_folder import (
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_table
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import RunResult
 from drillpetsc.output.sensors.files import SENSOR_TABLE, read_sensor, sensor_names
 from drillpetsc.results import report as shown
-from drillpetsc.results.cube import roadmap_cube, stability_map
+from drillpetsc.results.cube import roadmap_cube, sensitivity_table, stability_map
 from drillpetsc.results.datasets import Table, dataset, frame, read_string, string_dataset
-from drillpetsc.results.sensitivity_table import sensitivity_table
 from drillpetsc.unit_systems import SYSTEMS, System
 
 #: table that determines the kind of a result -> that kind; the first one is the main table

@@ -16,9 +16,8 @@ from drillpetsc.analysis.statics.placement import place_along_hole, release
 from drillpetsc.case import Case, load_case
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import RunFolder
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.result import RunResult
 
 PRESSED_DEPTH = 0.02  # initial penetration of the wall in X16 [m]
 PRESSED_SPEED = 5.0  # initial speed into the wall in X16 [m/s]

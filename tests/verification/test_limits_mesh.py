@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import load_case
+from drillpetsc.analysis.loads.limits.fatigue import read_sn
 from drillpetsc.analysis.loads.limits.limits import run_limits
 from drillpetsc.analysis.loads.limits.side_force import largest_on_joint
-from drillpetsc.analysis.loads.limits.sn_curve import read_sn
 from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case import Case
 from drillpetsc.output.job import Job

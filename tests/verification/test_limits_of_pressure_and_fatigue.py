@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
-from drillpetsc.analysis.loads.limits.pressure_strength import burst_pressure
-from drillpetsc.analysis.loads.limits.sn_curve import read_sn
+from drillpetsc.analysis.loads.limits.fatigue import read_sn
+from drillpetsc.analysis.loads.limits.strength import burst_pressure
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.commands.commands_report import command_lines
+from drillpetsc.analysis.commands.check import command_lines
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.blocks.roadmap import MeasuredPoint

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from drillpetsc import Case, run
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import mean_over_turn
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.errors import CaseError

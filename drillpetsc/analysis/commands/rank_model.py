@@ -46,14 +46,11 @@ class StepCounts:
         by_entry = (
             RESIDUALS * RESIDUAL
             + JACOBIANS * (JACOBIAN + ASSEMBLY)
-            + ITERATIONS * SOLVE * self._solve_share(ranks)
+            + ITERATIONS * SOLVE * self.operations(ranks)[1] / self.operations(1)[1]
             + AFTER
         )
         factor = JACOBIANS * OPERATION * self.operations(ranks)[0] * self.elements / ranks
         return (entries * by_entry + factor) * (UNEVEN if ranks > 1 else 1.0)
-
-    def _solve_share(self, ranks: int) -> float:
-        return self.operations(ranks)[1] / self.operations(1)[1]
 
     def operations(self, ranks: int) -> tuple[float, float]:
         """Operations of a factorisation and of a solve for a node of the busiest rank, which has an interface at both ends on three

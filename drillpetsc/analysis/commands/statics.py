@@ -27,13 +27,11 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.tables import Column
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.watches.buckling import Buckling, buckling
@@ -88,7 +86,7 @@ def run_statics(
         ).as_dict()
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
-            write_case(given, folder)  # as the user has it; the summary has the operation
+            folder.write_case(given)  # as the user has it; the summary has the operation
             _write(model, folder, columns, values, summary, fields)
     return RunResult(folder.path, summary, _lines(given, folder, state, summary))
 
@@ -137,8 +135,7 @@ def _write(
         write_table(folder.statics, columns, list(values.T))
     if fields is not None:
         FieldWriter(folder.path).write(0.0, *fields)
-    if model.well is not None:
-        write_well_files(model, folder)
+    write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 

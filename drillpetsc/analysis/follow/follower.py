@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.follow.alarms import Alarm, Error, Watch
-from drillpetsc.analysis.follow.pressure import PressureTrack
+from drillpetsc.analysis.follow.alarms import Alarm, Error, PressureTrack, Watch
 from drillpetsc.analysis.follow.sigma_points import Belief, Expected, corrected, expected
 from drillpetsc.analysis.follow.state import STAND, first_belief, states_of, walked, with_priors
 from drillpetsc.analysis.follow.strings import SLIPS, Load, Strings, factors_of

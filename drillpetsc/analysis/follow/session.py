@@ -27,11 +27,9 @@ from drillpetsc.logs.growing import GrowingLog
 from drillpetsc.logs.log import Log, read_map
 from drillpetsc.logs.points import Point
 from drillpetsc.logs.quality import check_sizes
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.run_folder import FOLLOW_PAGE, FOLLOW_STATE, FOLLOW_TABLE, RunFolder, make_folder
-from drillpetsc.output.job import Job
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.unit_systems import duration, shown
 from drillpetsc.unit_tables import FOOT
 
@@ -180,7 +178,7 @@ class _Session:
             self.growing = GrowingLog(weigh, self.block, self.choices.every, self.reader.titles)
         if self.folder is None:  # nothing can be refused any more
             self.folder = self.job.make_folder()
-            write_case(self.case, self.folder)
+            self.folder.write_case(self.case)
             self.table = UpdateTable(self.folder.path / FOLLOW_TABLE, self.follower.states, None)
         for log in kept:
             self._add(log)

@@ -17,13 +17,11 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     vertical_depth,
 )
 from drillpetsc.case.blocks.items.string import Flexible
-from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import short_of_hole
-from drillpetsc.doubts.doubt import Doubt, remark
+from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 from drillpetsc.doubts.moments import Flowing
 from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
-from drillpetsc.unit_systems import System
 
 Values = Iterable[dict[str, Any]]
 
@@ -33,15 +31,8 @@ SHORT = 1e-3  # distance of the string's end from the end of the hole that is re
 
 # ---------------------------------------------------------------------- moments
 @dataclass(frozen=True)
-class OfCase:
+class OfCase(CaseMoment):
     """The flow of a case is prepared."""
-
-    case: Case
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
 
 @dataclass(frozen=True)

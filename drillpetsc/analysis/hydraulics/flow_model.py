@@ -29,7 +29,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.model.mesh import MeshOf
-from drillpetsc.output.measured.mud_column import equivalent_density
+from drillpetsc.output.measured.in_hole import equivalent_density
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
 Pipe = Literal["closed", "open", "pumping"]

@@ -39,7 +39,6 @@ from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
@@ -48,7 +47,7 @@ from drillpetsc.output.files.run_folder import (
     PROFILE_TABLE,
     READINGS_TABLE,
 )
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.hydraulics import (
     DIAL_READINGS,
     FLOW_CURVE,
@@ -60,7 +59,6 @@ from drillpetsc.output.quantities.hydraulics import (
     PRESSURE_PROFILE,
     RHEOLOGY_FITS,
 )
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -351,7 +349,7 @@ def run_hydraulics(
         folder = job.make_folder()
         summary = _summary(case, hydraulics, results).as_dict()
         if job.comm.rank == 0:
-            write_case(case, folder)
+            folder.write_case(case)
             _write(folder.path, case, results, curve, case.given_fluid.rheology)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, results, summary))
@@ -403,10 +401,10 @@ def _write(
         [rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name)) for rate, row in rows]
         for q in LOSS_ROWS
     ]
-    write_table(path / LOSS_TABLE, [q.column for q in LOSS_ROWS], columns)
+    write_table(path / LOSS_TABLE, LOSS_ROWS, columns)
     if results[0].nozzles:
         cells = [[row[q.name] for r in results for row in nozzle_rows(case, r)] for q in NOZZLES]
-        write_table(path / NOZZLE_TABLE, [q.column for q in NOZZLES], cells)
+        write_table(path / NOZZLE_TABLE, NOZZLES, cells)
     profile = [
         np.concatenate(
             [
@@ -416,16 +414,16 @@ def _write(
         )
         for q in PRESSURE_PROFILE
     ]
-    write_table(path / PROFILE_TABLE, [q.column for q in PRESSURE_PROFILE], profile)
+    write_table(path / PROFILE_TABLE, PRESSURE_PROFILE, profile)
     mud = rheology_fits.readings(rheology)
     if mud is not None:
         columns = [mud.speed, mud.rate, mud.reading, mud.stress]
-        write_table(path / READINGS_TABLE, [q.column for q in DIAL_READINGS], columns)
+        write_table(path / READINGS_TABLE, DIAL_READINGS, columns)
         found = rheology_fits.fits(rheology)
         words = [[_fit_cell(f, q.name) for f in found] for q in RHEOLOGY_FITS]
-        write_table(path / FITS_TABLE, [q.column for q in RHEOLOGY_FITS], words)
+        write_table(path / FITS_TABLE, RHEOLOGY_FITS, words)
     table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
-    write_table(path / FLOW_CURVE_TABLE, [q.column for q in FLOW_CURVE], table)
+    write_table(path / FLOW_CURVE_TABLE, FLOW_CURVE, table)
 
 
 def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:

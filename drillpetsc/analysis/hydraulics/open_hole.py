@@ -12,7 +12,7 @@ from drillpetsc.case.blocks.window import Window
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well
-from drillpetsc.output.measured.mud_column import LOWEST_COLUMN
+from drillpetsc.output.measured.in_hole import LOWEST_COLUMN
 from drillpetsc.unit_systems import shown
 
 SPACING = 10.0  # largest distance between points at which the window is compared [m]

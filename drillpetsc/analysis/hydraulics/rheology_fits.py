@@ -6,7 +6,7 @@ All models that the readings allow are fitted, by the rules of API RP 13D and by
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydantic_core import PydanticCustomError
 
@@ -77,7 +77,8 @@ def fits(rheology: Rheology) -> list[Fit]:
                 continue  # the readings do not allow it
             k = float(keys.get("consistency", keys.get("plastic_viscosity", keys.get("viscosity", 0.0))))
             n, y = float(keys.get("index", 1.0)), float(keys.get("yield_stress", 0.0))
-            new = Fit(model, fit, y, k, n, misfit(dial, lambda rate, k=k, n=n, y=y: y + k * rate**n))  # type: ignore[misc]
+            curve = Fit(model, fit, y, k, n, 0.0)
+            new = replace(curve, misfit=misfit(dial, curve.stress))
             if not any(q.model == model and _same(q, new) for q in found):
                 found.append(new)
     return found

@@ -39,13 +39,11 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output import write_rows, write_summary, write_table
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
@@ -199,7 +197,7 @@ class Trips:
 
     speeds: tuple[float, ...]
     operations: tuple[str, ...] = ("trip_in", "trip_out")
-    pipes: tuple[str, ...] = ("closed", "open")
+    pipes: tuple[Pipe, ...] = ("closed", "open")
     bit_depths: tuple[float, ...] | None = None
     window: Window | None = None
     flow: float | None = None
@@ -245,12 +243,11 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
             notes=notes,
         ).as_dict()
         if job.comm.rank == 0:
-            write_case(case, folder)
+            folder.write_case(case)
             columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
-            write_table(folder.path / SURGE_TABLE, [q.column for q in quantities], columns)
+            write_table(folder.path / SURGE_TABLE, quantities, columns)
             if fastest:
-                table = [[row[q.name] for row in fastest] for q in MAX_TRIP_SPEED]
-                write_table(folder.path / TRIP_SPEED_TABLE, [q.column for q in MAX_TRIP_SPEED], table)
+                write_rows(folder.path / TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)
             write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, rows, summary))
 
@@ -274,7 +271,7 @@ def _trips(
     strings = [whole] if plan.bit_depths is None else [string_at(case, d) for d in plan.bit_depths]
     for pipe in plan.pipes:
         for string in strings:
-            trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+            trip = Tripping(case, string, pipe, hole, flow)
             for operation in plan.operations:
                 found = [_row(trip, operation, speed) for speed in plan.speeds]
                 if plan.dynamic:
@@ -358,7 +355,7 @@ def _fastest(
 ) -> list[dict[str, Any]]:
     out = []
     for pipe in plan.pipes:
-        trip = Tripping(case, string, pipe, hole, flow)  # type: ignore[arg-type]
+        trip = Tripping(case, string, pipe, hole, flow)
         for operation in plan.operations:
             try:
                 speed, limit = trip.fastest(operation)

@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.case.case import Case
-from drillpetsc.doubts.doubt import Doubt, remark, written
+from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark, written
 from drillpetsc.doubts.moments import Moment
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.unit_systems import System
 
 Values = Iterable[dict[str, Any]]
 
@@ -45,7 +43,7 @@ class Modal(Moment):
 
 
 @dataclass(frozen=True)
-class Followed:
+class Followed(CaseMoment):
     """Modes have been followed over rotary speeds (campbell).
 
     case_speed: of the case [rpm], 0 for a string that does not turn; mac: least MAC by which modes are followed.
@@ -53,7 +51,6 @@ class Followed:
     speeds: modes at each rotary speed.
     """
 
-    case: Case
     case_speed: float
     margin: float
     mac: float
@@ -61,30 +58,19 @@ class Followed:
     near: Sequence[Any]
     speeds: Sequence[Any]
 
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
-
 
 @dataclass(frozen=True)
-class Mapped:
+class Mapped(CaseMoment):
     """Stability has been computed over rotary speed and weight on bit (stability).
 
     points: at each; rough: unbalanced force over weight on bit beyond which a state is not steady.
     behaviours: of the runs, empty without runs; differ: (point, behaviour) at which runs and eigenvalues differ.
     """
 
-    case: Case
     points: Sequence[Any]
     rough: float
     behaviours: Sequence[str]
     differ: Sequence[tuple[Any, str]]
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
 
 @dataclass(frozen=True, kw_only=True)

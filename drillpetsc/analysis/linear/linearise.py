@@ -21,7 +21,7 @@ from drillpetsc.analysis.linear.linear_model import (
     on_first,
     steady_state,
 )
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import mean_over_turn
 from drillpetsc.analysis.linear.modal import (
     ZERO_FRACTION,
     reference_rate,
@@ -37,10 +37,9 @@ from drillpetsc.case.options.case_inputs import describe, inputs_of, with_inputs
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.files.atomic import replace_file
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.job import Job
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.linear.model_reduction import Reduced, not_decaying, reduce
@@ -134,7 +133,7 @@ def run_linearise(
         "warnings": notes + found["warnings"],
     }
     if comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         _save(folder, system, reduced, summary)
         write_summary(folder.summary, {k: v for k, v in summary.items() if k != "response"})
     summary.pop("response")

@@ -1,6 +1,6 @@
 """Linearised model: the discrete system's matrices, with a bottom of the hole that gives no work and with measured loops.
 
-Manual: sec-eigen-bottom, sec-autodriller-linear.
+What moves with the string's angle has its mean over a turn.  Manual: sec-eigen-bottom, sec-eigen-state, sec-autodriller-linear.
 """
 
 from __future__ import annotations
@@ -12,6 +12,10 @@ import scipy.sparse as sparse
 
 from drillpetsc.analysis.linear.state_differences import StateDifferences, of_motion
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.blocks.formation import level_bottom
+from drillpetsc.case.blocks.items.steering import PushSteering, RotarySteerable
+from drillpetsc.case.blocks.items.string import Item
+from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.solvers.linear.linearization import Linearised, linearise
@@ -107,3 +111,26 @@ def _closed_face(model: DrillingModel) -> FloatArray:
         return np.zeros(3)
     own, system = bit.closed_face(model.system.assembly), model.system
     return own if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(own))
+
+
+def mean_over_turn(case: Case) -> Case:
+    """The case with the mean bottom under a roller cone, and the mean force of pads that turn with the string.
+
+    A case without either is returned as it is.
+    """
+    string = tuple(_steady(item) for item in case.string)
+    formation = level_bottom(case.formation)
+    if formation is case.formation and all(a is b for a, b in zip(string, case.string, strict=True)):
+        return case
+    return case.model_copy(update={"formation": formation, "string": string})
+
+
+def _steady(item: Item) -> Item:
+    """The item with pads on a sleeve."""
+    if (
+        not isinstance(item, RotarySteerable)
+        or not isinstance(item.rss, PushSteering)
+        or item.rss.pads == "sleeve"
+    ):
+        return item
+    return item.model_copy(update={"rss": item.rss.model_copy(update={"pads": "sleeve"})})

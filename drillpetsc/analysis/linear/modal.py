@@ -27,8 +27,7 @@ from drillpetsc.analysis.linear.frequency.stokes import (
     frequency_dependent,
     stokes_numbers,
 )
-from drillpetsc.analysis.linear.linearised_model import linearise_model, settle
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import linearise_model, mean_over_turn, settle
 from drillpetsc.analysis.linear.modes import Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.motion.run_options import options_of
@@ -44,18 +43,16 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
 from drillpetsc.output.files.atomic import replace_file
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -389,7 +386,7 @@ def run_modes(
         summary = _summary(model, found, state, searched).as_dict()
         if comm.rank == 0:
             _write(model, folder, found, summary, fields)
-    return RunResult(folder.path, summary, _lines(case, folder, found, summary))
+    return job.noted(folder, summary, _lines(case, found, summary))
 
 
 def moment_of(model: DrillingModel, found: Modes) -> Modal:
@@ -439,7 +436,7 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
     """Write the files of the run folder; ``fields``: values of the state, None without a string."""
-    write_case(model.case, folder)
+    folder.write_case(model.case)
     numbers = np.arange(1, found.count + 1)
     stokes = [] if found.stokes_number is None else [found.stokes_number]
     write_table(
@@ -468,8 +465,7 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[
         for m in range(found.count):
             data = _point_data(model, found, m)
             replace_file(shapes / f"mode_{m + 1:02d}.vtu", partial(_write_shape, points, lines, data))
-    if model.well is not None:
-        write_well_files(model, folder)
+    write_well_files(model, folder)
     write_summary(folder.summary, summary)
 
 
@@ -500,7 +496,7 @@ def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatAr
     return data
 
 
-def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, found: Modes, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show."""
     lines = [
         f"{case.title or 'case'}: modes about {summary['about']}, the {summary['searched']}",
@@ -529,6 +525,4 @@ def _lines(case: Case, folder: RunFolder, found: Modes, summary: dict[str, Any])
         known = found.stokes_number[np.isfinite(found.stokes_number)]
         span = f", Stokes numbers {known.min():.3g} to {known.max():.3g}" if len(known) else ""
         lines.append(f"  mud's added mass and damping at each mode's own frequency{span}")
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder.path}")
     return lines

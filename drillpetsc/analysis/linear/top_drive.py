@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.motion.drive_report import control_lines, control_summary
+from drillpetsc.analysis.motion.machine_report import control_lines, control_summary
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import HeldBottom
@@ -17,13 +16,11 @@ from drillpetsc.doubts.moments import Tuned
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
 from drillpetsc.model.mesh import build_mesh
-from drillpetsc.model.top.top_drive import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
+from drillpetsc.model.top import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.frequency import REFLECTION
-from drillpetsc.output.result import RunResult
 from drillpetsc.physics.top.control import Law, Motor, reflection
 
 FREQUENCIES = np.geomspace(0.01, 10.0, 601)  # of the table [Hz]
@@ -58,16 +55,16 @@ def run_top_drive(job: Job) -> RunResult:
         summary["top_drive"]["torsional_frequency"] = None
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
         rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]
-        write_table(folder.path / REFLECTION_TABLE, [q.column for q in REFLECTION], rows)
+        write_table(folder.path / REFLECTION_TABLE, REFLECTION, rows)
         write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, laws, motor, impedance, summary))
+    return job.noted(folder, summary, _lines(case, laws, motor, impedance, summary))
 
 
 def _lines(
-    case: Case, folder: Path, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
+    case: Case, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
 ) -> list[str]:
     lines = [
         f"{case.title or 'case'}: {control_lines(laws, motor, impedance, case.output.units or case.units)[0]}"
@@ -82,6 +79,4 @@ def _lines(
     values = [np.abs(reflection(law, motor, impedance, at)) for law in laws]
     for k, f in enumerate(PRINTED):
         lines.append(f"    {f:>14g}  " + "".join(f"{v[k]:>14.5f}" for v in values))
-    lines += [f"  note: {text}" for text in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines

@@ -40,7 +40,8 @@ def initial_state(
     else:
         other = checkpoint.read(Path(case.initial.from_) / "checkpoint.h5")
         checkpoint.restore(model, other, at="initial.from")
-        checkpoint.restart_clock(model, other)
+        # time begins at 0 with the state of the other run: the top goes on from its position and angle there
+        model.top.align(*model.beam.first_node(other.fields))
         # the case may have parts with a state that the other run does not have
         begin_new_states(model, 0.0)
         if quasi is None:

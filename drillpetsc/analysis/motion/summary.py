@@ -10,8 +10,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.motion.drive_report import control_summary
-from drillpetsc.analysis.motion.hoist_report import hoist_summary
+from drillpetsc.analysis.motion.machine_report import control_summary, hoist_summary
 from drillpetsc.analysis.motion.provenance import digest, versions
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.placement import top_depth

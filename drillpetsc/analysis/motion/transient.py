@@ -14,11 +14,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion import checkpoint, provenance, summary
+from drillpetsc.analysis.motion.checkpoint import ROUNDING, check_restart, is_finished, saved_state
 from drillpetsc.analysis.motion.initial_state import begin_new_states, initial_state
 from drillpetsc.analysis.motion.integrator_choice import make_integrator, whirl_steps_of
 from drillpetsc.analysis.motion.memory import Memory, give_back
 from drillpetsc.analysis.motion.quasi_static import QuasiStatic
-from drillpetsc.analysis.motion.restart import ROUNDING, check_restart, is_finished, saved_state
 from drillpetsc.analysis.motion.run_control import (
     FAILED,
     NOTHING,
@@ -39,15 +39,14 @@ from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, 
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
 from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.run_writer import RunWriter, after, passed
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.indices import indices
+from drillpetsc.output.job import RunResult
 from drillpetsc.output.measured.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.watches.monitors import Monitors
 from drillpetsc.parallel import first_rank_does
@@ -290,7 +289,7 @@ class TransientRun:
             if self.saved is None:
                 _write_model(self.model, self.folder)
             else:  # with a later end, or accepted changes
-                write_case(self.model.case, self.folder)
+                self.folder.write_case(self.model.case)
 
     def _move(self) -> None:
         """Compute all steps.  The integrator passes the times of checkpoints, or stops there if its formula cannot be
@@ -502,6 +501,5 @@ class TransientRun:
 
 def _write_model(model: DrillingModel, folder: RunFolder) -> None:
     """Write the case and the hole at the start."""
-    write_case(model.case, folder)
-    if model.well is not None:
-        write_well_files(model, folder)
+    folder.write_case(model.case)
+    write_well_files(model, folder)

@@ -27,10 +27,8 @@ from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary
-from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 
@@ -103,7 +101,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         write_rows(folder.path, rows)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, found, compared, summary))

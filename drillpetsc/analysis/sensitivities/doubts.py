@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.case.case import Case
-from drillpetsc.doubts.doubt import Doubt, remark
-from drillpetsc.unit_systems import System
+from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 
 DISAGREES = 1e-4  # error of a derivative, relative, above which it is reported
 SMALL = 1e-4  # relative derivatives below it are judged by their absolute error
@@ -20,23 +18,17 @@ MOST_NAMED = 15  # keys without effect that are named
 
 
 @dataclass(frozen=True)
-class Differentiated:
+class Differentiated(CaseMoment):
     """Outputs are differentiated (sensitivities).
 
     analysis: statics, roadmap, hydraulics or run; one_sided: some derivatives have a kink beside them; without: keys without effect.
     left_out: why rows at a bit depth [m] have no derivative.
     """
 
-    case: Case
     analysis: str
     one_sided: bool
     without: list[str]
     left_out: dict[float, str]
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
     @property
     def named(self) -> str:
@@ -46,22 +38,16 @@ class Differentiated:
 
 
 @dataclass(frozen=True)
-class Checked:
+class Checked(CaseMoment):
     """A derivative is compared with differences of full solutions.
 
     output, key: their names; derivative, difference: relative [-].
     """
 
-    case: Case
     output: str
     key: str
     derivative: float
     difference: float
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
     @property
     def error(self) -> float:
@@ -70,39 +56,27 @@ class Checked:
 
 
 @dataclass(frozen=True)
-class Followed:
+class Followed(CaseMoment):
     """The derivatives of a column of a run are known over time.
 
     until: of each key, the time [s] up to which the derivative is determined (``chaos.determined_until``).
     """
 
-    case: Case
     column: str
     until: dict[str, float]
 
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
-
 
 @dataclass(frozen=True)
-class Stepped:
+class Stepped(CaseMoment):
     """A derivative of a run moves if its steps are looser.
 
     output, key: names; effect: of the stated change of the key; other: the same with ten times the tolerance, nan without such a run [SI].
     """
 
-    case: Case
     output: str
     key: str
     effect: float
     other: float
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
 
 class Coarse(Doubt):

@@ -12,7 +12,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.flow_recorder import flow_recorder
-from drillpetsc.output.measured.mud_column import below_flow_line, equivalent_density
+from drillpetsc.output.measured.in_hole import below_flow_line, equivalent_density
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import TopEnd
 from drillpetsc.output.summaries.statics import SoftString

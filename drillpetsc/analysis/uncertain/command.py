@@ -23,15 +23,13 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.uncertain import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.quantities.sensitivities import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
 from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.output.summaries.uncertain import UncertainSummary
+from drillpetsc.output.summaries.sensitivities import UncertainSummary
 
 SHOWN_EACH = 10  # samples of a part, after which progress is shown
 LINEAR, MONTE_CARLO, BOTH = "linear", "monte-carlo", "both"
@@ -102,17 +100,13 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         for name, columns, table in (
             (UNCERTAIN_TABLE, UNCERTAIN, rows),
             (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),
             (UNCERTAIN_SHARES_TABLE, UNCERTAIN_SHARES, shares),
         ):
-            write_table(
-                folder.path / name,
-                [q.column for q in columns],
-                [[row[q.name] for row in table] for q in columns],
-            )
+            write_rows(folder.path / name, columns, table)
         write_summary(folder.summary, summary)
     return job.result(folder, summary, _lines(case, named, outputs, found, question, summary, limits))
 

@@ -11,9 +11,7 @@ import numpy as np
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.analysis.uncertain.spread import Spreads
 from drillpetsc.case.blocks.uncertain import SURVEY
-from drillpetsc.case.case import Case
-from drillpetsc.doubts.doubt import Doubt, remark
-from drillpetsc.unit_systems import System
+from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 
 FAR = (
     0.1  # difference of a quantile by two methods, over the distance of the outer quantiles, that is reported
@@ -22,23 +20,17 @@ CROOKED = np.radians(0.25) / 30  # rms dogleg of the error of a survey that is r
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Drawn(CaseMoment):
     """Quantiles of outputs are found from samples (uncertain).
 
     levels: their probabilities; found: statistics by each method; kinks: keys with a kink beside the case's value.
     """
 
-    case: Case
     levels: Sequence[float]
     outputs: Sequence[Output]
     found: Sequence[Spreads]
     kinks: Sequence[str]
     samples: int
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
 
 class SamplesFailed(Doubt):

@@ -134,11 +134,11 @@ class RoadmapResponse:
         ]
         self.outputs = outputs_of(asked, rows)
         self.base = self._flat(base)[0]
-        self._prepared = [i for i, key in enumerate(keys) if not self._varies(key)]
-
-    def _varies(self, key: Uncertain) -> bool:
-        """Whether the strings stay as they are prepared."""
-        return key.name in (WEIGHT_FACTOR, BLOCK) or bool(_sections(key))
+        self._prepared = [
+            i
+            for i, key in enumerate(keys)
+            if key.name not in (WEIGHT_FACTOR, BLOCK) and not _sections(key)
+        ]
 
     def _flat(self, found: dict[str, FloatArray]) -> FloatArray:
         """(n, m) in the order of the outputs: by row, then as in ``QUANTITIES``."""

@@ -34,7 +34,7 @@ from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.uncertain import Spreads
 from drillpetsc.case.blocks.well import Well
-from drillpetsc.case.blocks.window import Window, window_or_file
+from drillpetsc.case.blocks.window import WINDOW_FILE, Window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, Vector
 from drillpetsc.unit_systems import System
@@ -91,7 +91,7 @@ class CaseBlocks(Block):
         "and there is no contact",
     )
     top: Top = Field(
-        default=None,  # type: ignore[arg-type]  # the validator replaces None or refuses it
+        default=None,  # the validator replaces None or refuses it
         validate_default=True,
         description="what holds or drives the upper end; needed unless hold_string is true",
     )
@@ -105,12 +105,12 @@ class CaseBlocks(Block):
     fluid: Fluid | None = Field(
         default=None, description="the drilling fluid; without it the hole and the string are dry"
     )
-    window: Annotated[Window | None, BeforeValidator(window_or_file, json_schema_input_type=str | Window)] = (
-        Field(
-            default=None,
-            description="limits of the pressure in the open hole (used by hydraulics and surge), "
-            "or the name of a CSV file with the columns tvd, pore, frac",
-        )
+    window: Annotated[
+        Window | None, BeforeValidator(WINDOW_FILE.read_if_named, json_schema_input_type=str | Window)
+    ] = Field(
+        default=None,
+        description="limits of the pressure in the open hole (used by hydraulics and surge), "
+        "or the name of a CSV file with the columns tvd, pore, frac",
     )
     roadmap: Roadmap | None = Field(
         default=None, description="operations, depths and friction factors of a torque-and-drag roadmap"

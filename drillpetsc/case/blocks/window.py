@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
-from drillpetsc.case.files.window_file import read_window
+from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, as_list, said
 
@@ -62,6 +62,14 @@ class Window(Block):
         return self
 
 
-def window_or_file(value: Any) -> Any:
-    """The keys of a window from the name of a CSV file; other values unchanged."""
-    return read_window(value) if isinstance(value, str) else value
+#: a pressure window; a column without a unit has that of the bare numbers of the case
+WINDOW_FILE = QuantityFile(
+    {
+        "tvd": QuantityColumn("m", ("tvd",), {}),
+        "pore": QuantityColumn("kg/m^3", ("pore",), {}),
+        "frac": QuantityColumn("kg/m^3", ("frac",), {}),
+    },
+    "tvd [ft], pore [ppg], frac [ppg]",
+    "{pore: ..., frac: ...}, or {tvd: [...], pore: [...], frac: [...]}",
+    bare=True,
+)

@@ -12,14 +12,11 @@ from drillpetsc.case.blocks.items.string import Beam, Bit, Item, Rigid, Stabiliz
 from drillpetsc.case.checks.drilling import check_drilling, check_time
 from drillpetsc.case.checks.fit import LENGTH_TOLERANCE, Misfit, misfit
 from drillpetsc.case.checks.fluid import check_fluid, check_held_string
-from drillpetsc.case.checks.hoist import check_hoist
 from drillpetsc.case.checks.joints import check_joints
 from drillpetsc.case.checks.limits import check_quaternion, check_size
-from drillpetsc.case.checks.motor import check_motor
+from drillpetsc.case.checks.machines import check_hoist, check_motor, check_steering
 from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
-from drillpetsc.case.checks.steering import check_steering
-from drillpetsc.case.checks.window import check_window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
 from drillpetsc.unit_systems import System
@@ -32,7 +29,9 @@ def check_case(case: CaseBlocks) -> None:
     _bit_last(case)
     _well_or_none(case)
     check_fluid(case)
-    check_window(case)
+    if case.window is not None and case.well is None:
+        hint = "pore and frac are limits of the open hole"
+        raise refuse("window", want="no window without a well", hint=hint)
     _string_in_hole(case)
     _stabilizers(case)
     _bit_on_bottom(case)

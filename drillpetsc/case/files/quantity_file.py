@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from drillpetsc.case.files.survey_file import FOLDER
 from drillpetsc.case.key_paths import refuse, suggestion
@@ -42,6 +43,10 @@ class QuantityFile:
     example: str
     otherwise: str
     bare: bool = False
+
+    def read_if_named(self, given: Any) -> Any:
+        """The columns of the file that ``given`` names (``read``); what is not a text unchanged."""
+        return self.read(given) if isinstance(given, str) else given
 
     def read(self, name: str) -> dict[str, list[float]]:
         """Columns by key, in SI unless bare, of a file beside the case file or in the working directory.

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.atomic import remove_leftovers
@@ -214,6 +215,12 @@ class RunFolder:
         if not Path(path).is_dir():
             raise RunFolderMissing(f"run folder {path} does not exist")
         return cls(Path(path))
+
+    def write_case(self, case: Case) -> None:
+        """Write case.yaml; and case.resolved.yaml if the case has figures from catalogue, defaults or formulas."""
+        case.dump(self.case)
+        if case.figures.of_item:
+            self.resolved_case.write_text(case.to_sourced_yaml(), encoding="utf-8")
 
     @classmethod
     def latest(cls, case_name: str, results: str | os.PathLike = "results") -> RunFolder:

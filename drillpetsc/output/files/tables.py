@@ -12,13 +12,15 @@ import errno
 import hashlib
 import io
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.files.atomic import replace_text
 
 DIGEST = 16  # bytes of the digest of a table's rows
@@ -172,13 +174,17 @@ def rows_written(lines: Sequence[str], width: int, until: float) -> tuple[int, s
 
 
 def write_table(
-    path: str | os.PathLike, columns: Sequence[Column], values: Mapping[str, Iterable] | Sequence[Iterable]
+    path: str | os.PathLike,
+    columns: Sequence[Column | Quantity],
+    values: Mapping[str, Iterable] | Sequence[Iterable],
 ) -> Path:
     """Write a whole table, atomically.
 
+    columns: quantities, or their names and units
     values: one array (n,) [unit of its column] per column, in order or by column name; numbers or words.
     """
-    names = [name for name, _ in columns]
+    titles = [q.column if isinstance(q, Quantity) else q for q in columns]
+    names = [name for name, _ in titles]
     if isinstance(values, Mapping):
         if set(values) != set(names):
             raise ValueError(f"{path}: columns {names} but values for {list(values)}")
@@ -190,9 +196,16 @@ def write_table(
         )
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header(columns))
+    writer.writerow(header(titles))
     writer.writerows(zip(*[[_cell(value) for value in array.tolist()] for array in arrays], strict=True))
     return replace_text(path, text.getvalue())
+
+
+def write_rows(
+    path: str | os.PathLike, quantities: Sequence[Quantity], rows: Collection[Mapping[str, Any]]
+) -> Path:
+    """Write a whole table of rows, each with its cells by the names of ``quantities``."""
+    return write_table(path, quantities, [[row[q.name] for row in rows] for q in quantities])
 
 
 def _cell(value: object) -> str:

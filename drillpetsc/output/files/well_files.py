@@ -14,11 +14,6 @@ from drillpetsc.output.quantities import TRAJECTORY
 SPACING = 10.0  # largest distance of stations in the old hole [m]
 
 
-def present_hole(model: DrillingModel) -> Well | None:
-    """The hole with its newly drilled part."""
-    return model.drilling.drilled_hole() if model.drilling is not None else model.well
-
-
 def stations(model: DrillingModel, well: Well) -> FloatArray:
     """(n,) measured depths [m] of the stations in trajectory.csv.
 
@@ -28,7 +23,7 @@ def stations(model: DrillingModel, well: Well) -> FloatArray:
     case_well = model.case.well
     assert case_well is not None
     old = float(case_well.survey.md[-1])
-    hole = model.drilling.hole if model.drilling is not None else None
+    hole = None if model.drilling is None else model.drilling.hole
     new = hole.path_start if hole is not None and well.depth > old else old
     even = np.linspace(0.0, old, max(2, int(np.ceil(old / SPACING)) + 1))
     md = np.sort(
@@ -46,15 +41,17 @@ def stations(model: DrillingModel, well: Well) -> FloatArray:
 
 
 def write_well_files(model: DrillingModel, folder: RunFolder) -> None:
-    """Write trajectory.csv and well.vtu of the present hole."""
-    well = present_hole(model)
-    assert well is not None
+    """Write trajectory.csv and well.vtu of the present hole with its newly drilled part; nothing without a hole."""
+    bit = model.drilling
+    well = model.well if bit is None else bit.drilled_hole()
+    if well is None:
+        return
     md = stations(model, well)
     position, tangent, _ = map(np.asarray, well.at(md))
     inclination, azimuth = map(np.degrees, angles(tangent))
     write_table(
         folder.trajectory,
-        [q.column for q in TRAJECTORY],
+        TRAJECTORY,
         [md, inclination, azimuth, *position.T, np.degrees(COURSE * dogleg_severity(md, tangent))],
     )
     write_well(folder.well, md, position, np.asarray(well.radius(md)), np.asarray(well.friction(md)))

@@ -135,10 +135,7 @@ def across_hole(model: DrillingModel, vectors: FloatArray) -> FloatArray:
 def all_across_hole(model: DrillingModel, *vectors: FloatArray) -> list[FloatArray]:
     """The same of several ``vectors``."""
     ends = model.system.chain.ends
-    if model.well is not None:
-        tangents = np.asarray(model.well.project(model.system.field("string.position")).tangent)
-    else:
-        tangents = np.tile(model.tangent[0], (len(model.system.chain.vertices), 1))
+    tangents = np.asarray(model.axis.project(model.system.field("string.position")).tangent)
     first = high_sides(tangents)
     axes = [axis[ends] for axis in (first, cross(tangents, first))]
     return [np.stack([np.sum(v * axis, axis=2) for axis in axes], axis=2) for v in vectors]

@@ -87,15 +87,16 @@ class RigidItems:
 
     def loads(self, sample: Sample) -> FloatArray:
         """(items, 13) loads of the wall, zero on ranks without the item."""
-        if self.model.contact is None:
+        if not len(self.items):
             return np.zeros((0, declared.WALL_NUMBERS))
         return np.asarray(self.wall_results(sample)[np.ix_(self.items, _LOADS)])
 
     def loads_of(self, steps: StepRecord) -> FloatArray:
         """(k, items, 13) ``loads`` after each of k recorded steps."""
-        if self.model.contact is None:
+        contact, bit = self.model.contact, self.model.drilling
+        if contact is None:
             return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
-        results, bit = self.model.contact.item_results_of(steps), self.model.drilling
+        results = contact.item_results_of(steps)
         if bit is not None and self._bit is not None:
             found = bit.element_results_of(steps)
             results[:, self._bit] += self._of_drilling_bit(found, bit.direction_of(steps))

@@ -17,12 +17,13 @@ from drillpetsc.output.quantities.along_string import (
     STRING_FIELDS,
     TORQUE,
 )
-from drillpetsc.output.quantities.energy import ENERGY, POWERS
 from drillpetsc.output.quantities.history import (
+    ENERGY,
     HOLE,
     HOOK_LOAD_TOTAL,
     LOWER_END,
     NEWTON,
+    POWERS,
     ROW_END,
     ROW_START,
     STEP,
@@ -41,8 +42,7 @@ from drillpetsc.output.quantities.mud import (
     PUMP_FLOW,
     SIDE_FLOW,
 )
-from drillpetsc.output.quantities.probes import PROBES
-from drillpetsc.output.quantities.rigid_items import SIDE_FORCES, WALL_NUMBERS
+from drillpetsc.output.quantities.probes import PROBES, SIDE_FORCES, WALL_NUMBERS
 from drillpetsc.output.quantities.statics import (
     BENDING_STRESS,
     BUCKLING_LOAD,

@@ -1,4 +1,4 @@
-"""Columns of sensitivities.csv and sensitivities_history.csv.  Their units follow from the output and the key of the row, whose units are columns."""
+"""Columns of the commands `sensitivities` and `uncertain`, whose rows have the unit of their output, a column."""
 
 from __future__ import annotations
 
@@ -70,5 +70,49 @@ SENSITIVITIES_OVER_TIME: tuple[Quantity, ...] = (
         "Change by a key",
         "SBYK",
         "Derivative of the column by the key, times the value of the key or, if that is zero, its usual size; in the unit of the column.",
+    ),
+)
+
+
+_SHARED = {q.name: q for q in SENSITIVITIES}
+
+
+_METHOD = _row("method", "Method", "UMET", "Linear or Monte Carlo.")
+UNCERTAIN: tuple[Quantity, ...] = (
+    _SHARED["output"],
+    _SHARED["output_unit"],
+    BIT_DEPTH,
+    _METHOD,
+    _SHARED["value"],
+    _row("mean", "Mean", "UMEA", "Mean over the samples [SI]."),
+    _row("deviation", "Standard deviation", "UDEV", "Standard deviation over the samples [SI]."),
+    _row("failed", "Failed samples", "UFAI", "Samples in which the output has no value."),
+    _row("probability", "Probability", "UPRO", "Share of samples below the quantile."),
+    _row("quantile", "Quantile", "UQUA", "Value of the output below which that share of samples lies [SI]."),
+)
+UNCERTAIN_LIMITS: tuple[Quantity, ...] = (
+    _SHARED["output"],
+    _SHARED["output_unit"],
+    BIT_DEPTH,
+    _METHOD,
+    _row("limit", "Limit", "ULIM", "Value of the output that should not be passed [SI]."),
+    _row("meaning", "Meaning", "UMNG", "What it means that the limit is passed."),
+    _row(
+        "beyond",
+        "Probability of passing",
+        "UBEY",
+        "Share of the samples with a solution that pass the limit.",
+    ),
+)
+UNCERTAIN_SHARES: tuple[Quantity, ...] = (
+    _SHARED["output"],
+    BIT_DEPTH,
+    _METHOD,
+    _SHARED["key"],
+    _row(
+        "share",
+        "Share of the variance",
+        "USHA",
+        "Share of the key in the variance of the output, by its linear part; of correlated keys it may be negative.",
     ),
 )

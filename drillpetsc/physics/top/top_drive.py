@@ -20,7 +20,7 @@ from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.top.control import MODES, Law, Motor
-from drillpetsc.physics.top.sampled_torque import SampledTorque
+from drillpetsc.physics.top.sampled_law import SampledTorque
 
 _results = function("top_motor_results", "ippppp" + "p")
 RESULTS = columns("top_motor_results")
@@ -234,7 +234,7 @@ class MotorDrive(Drive):
     def at_break(self, t: float, state: Any) -> bool:
         """Change to the law that acts from ``t`` [s] on without a jump of the torque; True if states change."""
         phase = self._phase_at(t) if len(self.laws) > 1 else self._phase
-        before = self._phase_before(t)
+        before = self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
         if phase == before:
             return False
         self._set_phase(before)
@@ -251,10 +251,6 @@ class MotorDrive(Drive):
         index = state.index_of(self._block)[0]
         state.x[index[INTEGRAL]] += gain * (kept - new[RESULTS["command"]])
         return True
-
-    def _phase_before(self, t: float) -> int:
-        """Number of the law just before ``t`` [s]."""
-        return self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
 
     # ------------------------------------------------------------------ history
     def local_update(self, state: Any) -> FloatArray:

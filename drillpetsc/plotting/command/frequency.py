@@ -1,4 +1,4 @@
-"""Pictures of the commands over rotary speeds: Campbell diagram, stability map, forced response."""
+"""Pictures over rotary speeds and frequencies: Campbell diagram, stability map, forced response, reflection at the top."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from drillpetsc.output.files.run_folder import (
     CAMPBELL_TABLE,
     CRITICAL_MAP_TABLE,
     CRITICAL_TABLE,
+    REFLECTION_TABLE,
     RESPONSE_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
@@ -56,8 +57,7 @@ def draw_campbell(folder: Path, title: str) -> Any:
     summary = read_summary(file) if file.exists() else {}
     branch, speed, frequency = (table[k] for k in ("branch [-]", "rotary_speed [rpm]", "frequency [Hz]"))
     ratio, kind, sense = (table[k] for k in ("damping_ratio [-]", "kind [-]", "whirl_sense [-]"))
-    drawing = style.figure(9.5, 6.5, dpi=110)
-    top = style.heading(drawing, f"{title}: Campbell diagram")
+    drawing = style.sheet(9.5, 6.5, f"{title}: Campbell diagram")
     axes = drawing.subplots()
     low, high = float(speed.min()), float(speed.max())
     drawn, faint = set(), False
@@ -120,8 +120,7 @@ def draw_campbell(folder: Path, title: str) -> Any:
         )
     axes.set(xlim=(low, high), ylim=(0.0, ceiling), xlabel="Rotary speed [rpm]", ylabel="Frequency [Hz]")
     axes.legend(frameon=False, fontsize=8.5, loc="center left", bbox_to_anchor=(1.03, 0.5))
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _prevailing(words: np.ndarray) -> str:
@@ -136,8 +135,7 @@ def draw_critical_map(folder: Path, title: str) -> Any:
     wall = table["wall_stiffness [Pa]"].astype(float)
     if not len(wall):
         return None
-    drawing = style.figure(8.0, 5.0, dpi=110)
-    top = style.heading(drawing, f"{title}: critical speeds without damping")
+    drawing = style.sheet(8.0, 5.0, f"{title}: critical speeds without damping")
     axes = drawing.subplots()
     size, unit = style.display_unit("wall_stiffness [Pa]", wall)
     line, kind = table["excitation_line [-]"].astype(float), table["kind [-]"].astype(str)
@@ -148,8 +146,7 @@ def draw_critical_map(folder: Path, title: str) -> Any:
         axes.semilogx(wall[here] / size, speed, marker, markersize=5, label=f"{word}, {order:g} per turn")
     axes.set(xlabel=f"Stiffness of the wall [{unit}]", ylabel="Critical speed [rpm]", ylim=(0, None))
     axes.legend(frameon=False, fontsize=8.5, loc="center left", bbox_to_anchor=(1.02, 0.5))
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def draw_stability(folder: Path, title: str) -> Any:
@@ -160,8 +157,7 @@ def draw_stability(folder: Path, title: str) -> Any:
     speeds, weights = (np.unique(table[k]) for k in ("rotary_speed [rpm]", "weight_on_bit [N]"))
     growth = table["largest_growth [1/s]"].reshape(len(weights), len(speeds)).astype(float)
     unit, text = style.display_unit("weight_on_bit [N]", weights)
-    drawing = style.figure(9.0, 5.0, dpi=110)
-    top = style.heading(drawing, f"{title}: stability of steady drilling")
+    drawing = style.sheet(9.0, 5.0, f"{title}: stability of steady drilling")
     axes = drawing.subplots()
     from matplotlib.colors import TwoSlopeNorm
 
@@ -188,12 +184,20 @@ def draw_stability(folder: Path, title: str) -> Any:
     file = RunFolder(folder).summary
     summary = read_summary(file) if file.exists() else {}
     if summary.get("case_speed") and "case_weight" in summary:
-        style.operating_point(axes, summary["case_speed"], summary["case_weight"] / unit)
+        case = {
+            "color": "#ffd400",
+            "markeredgecolor": "black",
+            "markersize": 14,
+            "label": "the case",
+            "zorder": 6,
+        }
+        axes.plot(
+            summary["case_speed"], summary["case_weight"] / unit, "*", **case
+        )  # the axes grow if it lies outside
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=True, loc="upper right", fontsize=8.5)
     axes.set(xlabel="Rotary speed [rpm]", ylabel=f"Weight on bit [{text}]", yticks=weights / unit)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 #: marker of the behaviour of a run
@@ -242,8 +246,7 @@ def draw_response(folder: Path, title: str) -> Any:
     ]  # fmt: skip
     if not shown:
         return None
-    drawing = style.figure(9.0, 1.2 + 2.2 * len(shown), dpi=110)
-    top = style.heading(drawing, f"{title}: response over the rotary speed")
+    drawing = style.sheet(9.0, 1.2 + 2.2 * len(shown), f"{title}: response over the rotary speed")
     tracks = drawing.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (column, label, _) in zip(tracks, shown, strict=True):
         largest = _largest(table[column])
@@ -280,10 +283,39 @@ def draw_response(folder: Path, title: str) -> Any:
         bbox_to_anchor=(1.0, 0.5),
     )
     tracks[-1].set_xlabel("Rotary speed [rpm]   (x: beyond the linear result; dashed: infinite)")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _largest(values: np.ndarray) -> float:
     """Largest finite value."""
     return float(np.max(values[np.isfinite(values)], initial=0.0))
+
+
+def draw_reflection(folder: Path, title: str) -> Any:
+    """|r| of every controller over the frequency, with the string's lowest torsional frequency; None without a table."""
+    if not (folder / REFLECTION_TABLE).exists():
+        return None
+    table = read_table(folder / REFLECTION_TABLE)
+    file = RunFolder(folder).summary
+    found = (read_summary(file) if file.exists() else {}).get("top_drive", {})
+    kinds = [law["kind"] for law in found.get("control", ())]
+    drawing = style.sheet(8.0, 4.5, f"{title}: reflection at the top")
+    axes = drawing.subplots()
+    number, frequency, size = (
+        table[f"{name}"] for name in ("controller [-]", "wave_frequency [Hz]", "reflection [-]")
+    )
+    for k in range(int(number.max(initial=0.0))):
+        rows = number == k + 1
+        label = kinds[k] if k < len(kinds) else f"controller {k + 1}"
+        axes.plot(frequency[rows], size[rows], color=LINE_COLORS[k % len(LINE_COLORS)], label=label)
+    lowest = found.get("torsional_frequency")
+    if lowest:
+        axes.axvline(lowest, color="0.4", linewidth=0.8, linestyle=(0, (5, 2)), label="lowest torsional mode")
+    axes.set(
+        xscale="log",
+        xlim=(frequency[0], frequency[-1]),
+        ylim=(0.0, max(1.02, float(size.max()))),
+    )
+    axes.set(xlabel="Frequency [Hz]", ylabel="Reflected part of a torsional wave |r| [-]")
+    axes.legend(frameon=False)
+    return drawing.fitted()

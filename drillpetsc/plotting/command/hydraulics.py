@@ -24,7 +24,7 @@ from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.plotting import style
 from drillpetsc.plotting.style import LINE_COLORS, words
-from drillpetsc.unit_systems import System, system_named
+from drillpetsc.unit_systems import System
 
 Table = dict[str, np.ndarray]
 
@@ -61,11 +61,6 @@ def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Ca
     return drawers
 
 
-def units_of(summary: dict[str, Any]) -> System:
-    """Units in which the pictures of a folder are drawn: the units that its command printed, else metric."""
-    return system_named(summary.get("units")) or "metric"
-
-
 class _Axis:
     """A column in the unit of its axis."""
 
@@ -90,8 +85,7 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
         for name, words in (("ecd_bit", "bit"), ("ecd_shoe", "casing shoe"), ("ecd_td", "end of the hole"))
         if np.isfinite(table[f"{name} [kg/m3]"]).any()
     ]
-    drawing = style.figure(11.0 if densities else 6.5, 4.6, dpi=110)
-    top = style.heading(drawing, f"{title}: pressure and density against flow rate")
+    drawing = style.sheet(11.0 if densities else 6.5, 4.6, f"{title}: pressure and density against flow rate")
     grid = drawing.subplots(1, 2 if densities else 1, squeeze=False)[0]
     x, asked = flow.values(table), [row["pump_flow"] / flow.size for row in summary.get("flows", ())]
     grid[0].plot(x, pressure.values(table), color=LINE_COLORS[0], linewidth=1.6)
@@ -113,8 +107,7 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
         )
         grid[1].legend(frameon=False)
         grid[1].ticklabel_format(axis="y", useOffset=False)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
@@ -123,8 +116,7 @@ def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
     if not flows:
         return None
     rate, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
-    drawing = style.figure(max(5.5, 3.6 + 0.9 * len(flows)), 5.0, dpi=110)
-    top = style.heading(drawing, f"{title}: pressure losses")
+    drawing = style.sheet(max(5.5, 3.6 + 0.9 * len(flows)), 5.0, f"{title}: pressure losses")
     axes = drawing.subplots()
     at = np.arange(len(flows))
     up, down = np.zeros(len(flows)), np.zeros(len(flows))
@@ -143,8 +135,7 @@ def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
     axes.set_xticks(at, [f"{row['pump_flow'] / rate.size:.4g}" for row in flows])
     axes.set(xlabel=rate.label(), ylabel=pressure.label("Pressure"), xlim=(-0.7, len(flows) - 0.3))
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _profile(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
@@ -154,8 +145,7 @@ def _profile(table: Table, summary: dict[str, Any], title: str, system: System) 
     """
     depth, rate = _Axis("md [m]", system), _Axis("pump_flow [m3/s]", system)
     wet = np.isfinite(table["ecd [kg/m3]"]).any()
-    drawing = style.figure(11.5 if wet else 6.0, 7.0, dpi=110)
-    top = style.heading(drawing, f"{title}: pressure along the depth")
+    drawing = style.sheet(11.5 if wet else 6.0, 7.0, f"{title}: pressure along the depth")
     grid = drawing.subplots(1, 2 if wet else 1, squeeze=False)[0]
     flows = np.unique(rate.values(table))
     flows = flows[np.unique(np.linspace(0, len(flows) - 1, MOST_PROFILES).round().astype(int))]
@@ -172,8 +162,7 @@ def _profile(table: Table, summary: dict[str, Any], title: str, system: System) 
     grid[0].legend(frameon=False, fontsize=8, loc="lower left")
     if wet:
         _densities(grid[1], table, flows * rate.size, summary, system)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _densities(axes: Any, table: Table, flows: np.ndarray, summary: dict[str, Any], system: System) -> None:
@@ -236,8 +225,7 @@ def _window(
 def _rheology(readings: Table, fits: Table, title: str, system: System) -> Any:
     """Dial readings as stress over shear rate, with the flow curves that fit them; the one in use is thick."""
     rate, stress = _Axis("shear_rate [1/s]", system), _Axis("shear_stress [Pa]", system)
-    drawing = style.figure(8.5, 5.2, dpi=110)
-    top = style.heading(drawing, f"{title}: flow curves of the mud")
+    drawing = style.sheet(8.5, 5.2, f"{title}: flow curves of the mud")
     axes = drawing.subplots()
     x = np.linspace(0.0, 1.05 * float(readings["shear_rate [1/s]"].max()), 200)
     for i in range(len(fits["model [-]"])):
@@ -255,8 +243,7 @@ def _rheology(readings: Table, fits: Table, title: str, system: System) -> Any:
     )
     axes.set(xlabel=rate.label(), ylabel=stress.label(), xlim=(0, None), ylim=(0, None))
     axes.legend(frameon=False, fontsize=8)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _surge(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
@@ -264,8 +251,7 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
     speed, pressure = _Axis("trip_speed [m/s]", system), _Axis("surge_pressure [Pa]", system)
     density, depth = _Axis("ecd_bit [kg/m3]", system), _Axis("bit_depth [m]", system)
     start = _Axis("dynamic_surge_pressure [Pa]", system)
-    drawing = style.figure(11.0, 5.0, dpi=110)
-    top = style.heading(drawing, f"{title}: surge and swab")
+    drawing = style.sheet(11.0, 5.0, f"{title}: surge and swab")
     grid = drawing.subplots(1, 2)
     depths = list(dict.fromkeys(table["bit_depth [m]"]))
     for k, md in enumerate(depths):
@@ -300,15 +286,13 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
             dash = (0, (3, 1.5)) if key == "pore" else "-"
             grid[1].axhline(window[key][0] / density.size, color=LIMITS, linestyle=dash, label=name)
     grid[1].legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _trip_speeds(table: Table, title: str, system: System) -> Any:
     """Largest trip speed over the depth of the bit."""
     speed, depth = _Axis("max_trip_speed [m/s]", system), _Axis("bit_depth [m]", system)
-    drawing = style.figure(7.5, 6.5, dpi=110)
-    top = style.heading(drawing, f"{title}: largest trip speed within the window")
+    drawing = style.sheet(7.5, 6.5, f"{title}: largest trip speed within the window")
     axes = drawing.subplots()
     for operation, color in zip(OPERATIONS, LINE_COLORS, strict=False):
         for pipe, dash in DASHES.items():
@@ -342,5 +326,4 @@ def _trip_speeds(table: Table, title: str, system: System) -> Any:
     axes.set(xlabel=speed.label(), ylabel=depth.label("Bit depth"), xlim=(left, right))
     axes.invert_yaxis()
     axes.legend(frameon=False, fontsize=8)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()

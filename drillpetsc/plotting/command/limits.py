@@ -74,8 +74,7 @@ class _Track:
 
 def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -> Any:
     """Six panels over the depth: forces, torque, stresses, buckling, side force, dogleg."""
-    drawing = style.figure(13.0, 9.0, dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(13.0, 9.0, title)
     grid = drawing.subplots(2, 3, sharey=True)
     length, _, unit = display_unit("length", system, plot=True)
     depth = table["md [m]"] / length
@@ -128,8 +127,7 @@ def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -
         most = 1.1 * float(np.nanmax(turned, initial=0.0)) / torque.size
         if most > 0:  # a constant torque would lie on the edge
             torque.axes.set_xlim(0.0, max(most, torque.axes.get_xlim()[1]))
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _draw_compression(track: _Track, table: Table, law: str) -> None:

@@ -31,8 +31,7 @@ def draw_modes(folder: Path, title: str) -> Any:
     if not files:
         return None
     table = read_table(folder / "modes.csv")
-    drawing = style.figure(max(1.6 * len(files) + 1.0, 6.0), 8.0, dpi=110)
-    top = style.heading(drawing, f"{title}: modes")
+    drawing = style.sheet(max(1.6 * len(files) + 1.0, 6.0), 8.0, f"{title}: modes")
     tracks = drawing.subplots(1, len(files), sharey=True, squeeze=False)[0]
     for k, (axes, file) in enumerate(zip(tracks, files, strict=True)):
         kind = str(table["kind [-]"][k])
@@ -53,8 +52,7 @@ def draw_modes(folder: Path, title: str) -> Any:
             )
     tracks[0].set_ylabel(f"Measured depth [{style.depth_unit()[1]}]")
     tracks[0].set_ylim(depth.max(), depth.min())
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _lines(file: Path, kind: str) -> tuple[np.ndarray, list[tuple[str, np.ndarray]]]:

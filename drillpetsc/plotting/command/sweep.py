@@ -17,7 +17,7 @@ from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import ABSENT, SWEEP_PICTURES, SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
-from drillpetsc.plotting.run.directions import direction, high_side
+from drillpetsc.plotting.run.hole_path import direction, high_side
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import display_unit
 
@@ -106,8 +106,7 @@ def results(folder: Path, title: str) -> Any:
         return None
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
-    drawing = style.figure(12.0, 0.9 + 1.9 * rows, dpi=110)
-    top = style.heading(drawing, f"{title}: results of the members")
+    drawing = style.sheet(12.0, 0.9 + 1.9 * rows, f"{title}: results of the members")
     grid = drawing.subplots(rows, columns, squeeze=False, sharex=True).reshape(-1)
     member = np.asarray(table["member"], dtype=float)[done]
     for axes, name in zip(grid, shown, strict=False):
@@ -119,8 +118,7 @@ def results(folder: Path, title: str) -> Any:
         axes.set_xlabel("member")
     for axes in grid[len(shown) :]:
         axes.remove()
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 # ---------------------------------------------------------------------- data of the folder

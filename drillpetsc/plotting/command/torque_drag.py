@@ -90,8 +90,7 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     depth, _, unit = display_unit("length", system)
     md, operation = table["bit_depth [m]"] / depth, table["operation [-]"]
     marks = {"hook_load": ("o", "hook load"), "surface_torque": ("^", "surface torque")}
-    drawing = style.figure(11.0, 6.5, dpi=110)
-    top = style.heading(drawing, f"{title}: measured points and {_MODELS[summary.get('model', 'soft')]}")
+    drawing = style.sheet(11.0, 6.5, f"{title}: measured points and {_MODELS[summary.get('model', 'soft')]}")
     left, right = drawing.subplots(1, 2, sharey=True)
     size = 6 if len(md) < MANY_POINTS else 3
     residual = table["residual [N or N m]"] / table["sigma [N or N m]"]
@@ -132,8 +131,7 @@ def _calibration(table: Table, summary: dict[str, Any], title: str, system: Syst
     left.set_ylim(float(md.max()) + 0.4 * margin, max(float(md.min()) - margin, 0.0))
     handles, labels = left.get_legend_handles_labels()
     drawing.legend(handles, labels, frameon=False, fontsize=8.5, loc="center right")
-    drawing.tight_layout(rect=(0, 0, 0.8, top))
-    return drawing
+    return drawing.fitted(right=0.8)
 
 
 def _pairs(table: Table) -> list[tuple[float, float, str]]:
@@ -148,8 +146,8 @@ def _pair_of_rows(table: Table) -> list[tuple[float, float, str]]:
 
 
 def _pair_words(pair: tuple[float, float, str]) -> str:
-    *numbers, groups = pair
-    words = [" / ".join(f"{value:.4g}" for value in numbers if value >= 0), groups]  # type: ignore[operator]
+    cased, opened, groups = pair
+    words = [" / ".join(f"{value:.4g}" for value in (cased, opened) if value >= 0), groups]
     return ", ".join(filter(None, words))
 
 
@@ -251,15 +249,14 @@ def _strength(
 
 def _frame(heading: str, words: str, kind: str, system: System) -> tuple[Any, Any, float, float]:
     """(drawing, axes, size of the load's unit [SI], size of the depth's unit [m])."""
-    drawing = style.figure(9.5, 8.0, dpi=110)
-    top = style.heading(drawing, heading)
+    drawing = style.sheet(9.5, 8.0, heading)
     axes = drawing.subplots()
     size, _, unit = display_unit(kind, system, plot=True)
     if system == "SI":
         size, unit = 1e3, f"k{unit}"
     depth, _, depth_unit = display_unit("length", system)
     axes.set(xlabel=f"{words} [{unit}]", ylabel=f"Bit depth (MD) [{depth_unit}]")
-    drawing.subplots_adjust(left=0.095, right=0.74, bottom=0.07, top=top - 0.02)
+    drawing.subplots_adjust(left=0.095, right=0.74, bottom=0.07, top=drawing.top - 0.02)
     return drawing, axes, size, depth
 
 

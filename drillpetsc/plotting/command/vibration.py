@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,11 @@ from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run.signals import Signal
 from drillpetsc.plotting.style import LINE_COLORS, display_unit, label, words
+from drillpetsc.plotting.thinning import envelope
 
 GRAVITY = 9.80665
 RANGE = 1e-3  # smallest amplitude that a map shows, over the largest
 ORDERS = (1, 2, 3)  # lines over the rotation that a waterfall shows
-MOST_POINTS = 4000  # of a line; longer series are drawn by their least and largest values
 WHIRL_COLORS = {
     "none": "#d9d9d9",
     "forward synchronous": "#8fbf8f",
@@ -85,8 +86,9 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
             found = vibration.spectrogram(signal.time, signal.values, segment)
     except ValueError as error:
         raise CaseError(at="--order" if order else "--waterfall", got=signal.name, want=str(error)) from None
-    drawing = style.figure(11.0, 5.2, dpi=110)
-    top = style.heading(drawing, f"{title}: {signal.name}, {'orders of rotation' if order else 'waterfall'}")
+    drawing = style.sheet(
+        11.0, 5.2, f"{title}: {signal.name}, {'orders of rotation' if order else 'waterfall'}"
+    )
     axes = drawing.subplots()
     text = f"amplitude of {words(signal.title).lower()}" + (f" [{unit}]" if unit else "")
     _colours(axes, found, size, drawing, text)
@@ -100,7 +102,7 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
         rotation = 0.0 if signal.speed is None else float(np.abs(signal.speed).max()) / (2 * np.pi)
         axes.set_ylim(0, _top(found, 1.3 * max(ORDERS) * rotation))
         if signal.speed is not None:
-            t, speed = _thinned(signal.time, np.abs(signal.speed) / (2 * np.pi))
+            t, speed = envelope(signal.time, np.abs(signal.speed) / (2 * np.pi))
             for k in ORDERS:
                 axes.plot(t, k * speed, color="white", linewidth=0.8, linestyle=(0, (6, 4)))
                 at = int(np.argmax(speed))
@@ -122,16 +124,14 @@ def draw_waterfall(signal: Signal, title: str, segment: float | None = None, ord
     axes.set_xlim(
         found.time[0] if len(found.time) > 1 else None, found.time[-1] if len(found.time) > 1 else None
     )
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
     """Power density of a signal over the frequency."""
     size, unit = _shown(signal.title, signal.values)
     frequency, density = vibration.power_density(signal.time, signal.values / size, segment)
-    drawing = style.figure(8.5, 4.8, dpi=110)
-    top = style.heading(drawing, f"{title}: {signal.name}, power density")
+    drawing = style.sheet(8.5, 4.8, f"{title}: {signal.name}, power density")
     axes = drawing.subplots()
     axes.loglog(frequency[1:], np.maximum(density[1:], 1e-300), color=LINE_COLORS[0], linewidth=1.1)
     largest = float(density[1:].max(initial=1e-300))
@@ -140,8 +140,7 @@ def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
         axes.axvspan(signal.limit, frequency[-1], color="0.85", zorder=0)
     axes.set_xlabel("frequency [Hz]" + (f"      ({signal.told}: shaded)" if signal.told else ""))
     axes.set_ylabel(f"power density of {words(signal.title).lower()} [{f'{unit}^2/Hz' if unit else '1/Hz'}]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 # ---------------------------------------------------------------------- pictures of every folder that has the tables
@@ -152,7 +151,7 @@ def vibration_drawers(folder: Path, title: str) -> dict[str, Callable[[], Any]]:
         drawers["indices"] = lambda: draw_indices(read_table(folder / INDICES_TABLE), title)
         drawers["whirl"] = lambda: draw_whirl(read_table(folder / INDICES_TABLE), title)
     for name in sensor_names(folder):
-        drawers[f"sensor_{name}"] = lambda name=name: draw_sensor(read_sensor(folder, name), name, title)  # type: ignore[misc]
+        drawers[f"sensor_{name}"] = partial(draw_sensor, folder, name, title)
     return drawers
 
 
@@ -162,15 +161,14 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
     time = next(iter(table.values()))
     if not kept or not len(time):
         return None
-    drawing = style.figure(11.0, 0.9 + 1.6 * len(kept), dpi=110)
-    top = style.heading(drawing, heading)
+    drawing = style.sheet(11.0, 0.9 + 1.6 * len(kept), heading)
     for axes, group in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept, strict=True
     ):
         together = np.concatenate([table[t] for t in group])
         size, unit = _shown(group[0], together)
         for column, color in zip(group, LINE_COLORS * 3, strict=False):
-            t, v = _thinned(time, table[column] / size)
+            t, v = envelope(time, table[column] / size)
             mark = "." if len(time) < 40 else ""
             axes.plot(t, v, color=color, linewidth=1.0, marker=mark, label=words(column))
         if len(group) == 1:
@@ -181,21 +179,7 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
         style.level(axes, together / size, False)
         axes.margins(x=0.0)
     axes.set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
-
-
-def _thinned(time: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line of at most about MOST_POINTS points that has the least and largest values of a longer one."""
-    n = len(time)
-    if n <= MOST_POINTS:
-        return time, values
-    size = -(-2 * n // MOST_POINTS)
-    parts = n // size
-    blocks = np.where(np.isfinite(values[: parts * size]), values[: parts * size], 0.0).reshape(parts, size)
-    first = np.arange(parts) * size
-    at = np.sort(np.concatenate([first + blocks.argmin(axis=1), first + blocks.argmax(axis=1), [0, n - 1]]))
-    return time[at], values[at]
+    return drawing.fitted()
 
 
 def draw_indices(table: dict[str, np.ndarray], title: str) -> Any:
@@ -238,8 +222,7 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     depths = sorted(names)
     classes = list(WHIRL_COLORS)
     rows = np.array([[classes.index(str(c)) for c in table[names[d]]] for d in depths])
-    drawing = style.figure(11.0, 1.7 + 0.5 * max(len(depths), 2), dpi=110)
-    top = style.heading(drawing, f"{title}: whirl over time and depth")
+    drawing = style.sheet(11.0, 1.7 + 0.5 * max(len(depths), 2), f"{title}: whirl over time and depth")
     axes = drawing.subplots()
     step = time[-1] - time[-2] if len(time) > 1 else 1.0
     edges = np.concatenate([time - step, time[-1:]])
@@ -259,12 +242,12 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     axes.set_ylabel("measured depth")
     handles = [Patch(facecolor=color, edgecolor="0.6", label=name) for name, color in WHIRL_COLORS.items()]
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
-def draw_sensor(table: dict[str, np.ndarray], name: str, title: str) -> Any:
+def draw_sensor(folder: Path, name: str, title: str) -> Any:
     """Channels of a sensor over time: accelerations, rotation, loads, pressures."""
+    table = read_sensor(folder, name)
     groups: dict[str, list[str]] = {}
     for heading in list(table)[1:]:
         column, unit = split_name(heading)

@@ -1,15 +1,46 @@
-"""Pictures of the path of a hole: section and plan, and the new hole enlarged; drawn from trajectory.csv."""
+"""Pictures of the path of a hole: section and plan, and the new hole enlarged; drawn from trajectory.csv.
+
+The formulas of its directions are the same as in drillpetsc.geometry (manual: eq-conv-direction, eq-conv-high-side). They are
+repeated here because plotting reads run folders only and imports no solver code; a test compares the two.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from drillpetsc.plotting import style
-from drillpetsc.plotting.run.directions import COURSE, direction, dogleg
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import display_unit
+
+FloatArray = npt.NDArray[np.float64]
+
+COURSE = 30.0  # length to which build rates and dogleg severities refer [m]
+
+
+def direction(inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> FloatArray:
+    """Unit tangent (..., 3), north-east-down, from inclination and azimuth (...) [rad]."""
+    i, a = np.broadcast_arrays(np.asarray(inclination, dtype=float), np.asarray(azimuth, dtype=float))
+    return np.stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)], axis=-1)
+
+
+def high_side(tangent: FloatArray) -> FloatArray:
+    """Unit vector (3,) normal to ``tangent`` (3,) towards the high side of the hole; north in a vertical
+    hole."""
+    up = np.array([0.0, 0.0, -1.0])
+    side = up - tangent * (up @ tangent)
+    if np.linalg.norm(side) < 1e-6:
+        north = np.array([1.0, 0.0, 0.0])
+        side = north - tangent * (north @ tangent)
+    return side / np.linalg.norm(side)
+
+
+def dogleg(one: FloatArray, two: FloatArray) -> FloatArray:
+    """Angle (...) [rad] between unit vectors (..., 3)."""
+    return 2 * np.arctan2(np.linalg.norm(two - one, axis=-1), np.linalg.norm(one + two, axis=-1))
+
 
 Table = dict[str, np.ndarray]
 
@@ -30,8 +61,7 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
     length, unit = style.depth_unit()
     north, east, depth = (table[f"{name} [m]"] / length for name in ("north", "east", "tvd"))
     away = np.hypot(north - north[0], east - east[0])
-    drawing = style.figure(11.0, 6.2, dpi=110)
-    top = style.heading(drawing, f"{title}: well path")
+    drawing = style.sheet(11.0, 6.2, f"{title}: well path")
     section, plan = drawing.subplots(1, 2)
     start = table["md [m]"][-1] - drilled
     old, new = table["md [m]"] <= start + 1e-6, table["md [m]"] >= start - 1e-6
@@ -78,8 +108,7 @@ def well_path(table: Table, title: str, drilled: float = 0.0) -> Any:
             color="0.35",
         )
     plan.legend(frameon=False)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def new_hole(table: Table, title: str, drilled: float) -> Any:
@@ -95,8 +124,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
     depth, kink = shown / length, start / length
     size, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
     turned = np.degrees(np.unwrap(np.radians(table["azimuth [deg]"])))
-    drawing = style.figure(9.5, 7.5, dpi=110)
-    above = style.heading(drawing, f"{title}: new hole, {drilled / length:.4g} {unit}")
+    drawing = style.sheet(9.5, 7.5, f"{title}: new hole, {drilled / length:.4g} {unit}")
     tracks = drawing.subplots(1, 3, sharey=True)
     _track(tracks[0], depth, np.interp(shown, md, table["inclination [deg]"]), kink, "Inclination [deg]")
     _track(tracks[1], depth, np.interp(shown, md, turned), kink, "Azimuth [deg]")
@@ -127,8 +155,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
             fontsize=8.5,
             color=color,
         )
-    drawing.tight_layout(rect=(0, 0, 1, above))
-    return drawing
+    return drawing.fitted()
 
 
 def _severity(table: Table, md: np.ndarray, course: float) -> np.ndarray:

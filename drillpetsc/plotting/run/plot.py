@@ -33,23 +33,22 @@ from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import (
     draw_campbell,
     draw_critical_map,
+    draw_reflection,
     draw_response,
     draw_stability,
 )
-from drillpetsc.plotting.command.hydraulics import hydraulics_drawers, units_of
+from drillpetsc.plotting.command.hydraulics import hydraulics_drawers
 from drillpetsc.plotting.command.limits import limits_drawers
 from drillpetsc.plotting.command.modes import draw_modes
-from drillpetsc.plotting.command.sensitivities import sensitivity_drawers
+from drillpetsc.plotting.command.sensitivities import sensitivity_drawers, uncertain_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
-from drillpetsc.plotting.command.top_drive import draw_reflection
 from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
-from drillpetsc.plotting.command.uncertain import uncertain_drawers
 from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vibration_drawers
 from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.thinning import envelope, last_passages
-from drillpetsc.unit_systems import System
+from drillpetsc.unit_systems import System, system_named
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
@@ -205,7 +204,7 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         drawers["response"] = lambda: draw_response(folder.path, title)
     if (folder.path / REFLECTION_TABLE).exists():
         drawers["reflection"] = lambda: draw_reflection(folder.path, title)
-    system = units or units_of(summary)
+    system = units or system_named(summary.get("units")) or "metric"
     drawers |= hydraulics_drawers(folder.path, title, system)
     drawers |= torque_drag_drawers(folder.path, title, system)
     drawers |= limits_drawers(folder.path, title, system)
@@ -274,8 +273,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
     lines = textwrap.wrap("Constant: " + ", ".join(constant), NOTE_WIDTH) if constant else []
     below = 0.1 + 0.17 * len(lines)  # inches
     height = 0.9 + below + 2.15 * rows
-    drawing = style.figure(13.0, height, dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(13.0, height, title)
     drawing.text(
         0.012, 0.08 / height, "\n".join(lines), fontsize=8.5, color="0.35", va="bottom", parse_math=False
     )
@@ -317,8 +315,7 @@ def _histories(table: Table, panels: list[list[str]], title: str) -> Any:
         last = [axes for axes in grid[:, column] if axes.figure is not None][-1]
         last.set_xlabel("time [s]")
         last.tick_params(labelbottom=True)
-    drawing.tight_layout(rect=(0, below / height, 1, top), h_pad=1.1)
-    return drawing
+    return drawing.fitted(bottom=below / height, h_pad=1.1)
 
 
 def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], list[str]]:
@@ -331,7 +328,11 @@ def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], l
     constant: list[str] = []
     for panel in panels:
         ends = {name: (float(np.nanmin(table[name])), float(np.nanmax(table[name]))) for name in panel}
-        moving = [name for name in panel if not _is_constant(name, table[name])]
+        moving = [
+            name
+            for name in panel
+            if style.limits_of_level(table[name], style.is_noise(name, table[name])) is None
+        ]
         low, high = _span([ends[name] for name in moving])
         near = 0.5 * (high - low)
         shown = [n for n in panel if n in moving or low - near <= ends[n][0] <= high + near]
@@ -350,11 +351,6 @@ def _changing(table: Table, panels: list[list[str]]) -> tuple[list[list[str]], l
 def _span(ends: list[tuple[float, float]]) -> tuple[float, float]:
     """Smallest and largest value of columns between their ends; nan without a column."""
     return min((low for low, _ in ends), default=np.nan), max((high for _, high in ends), default=np.nan)
-
-
-def _is_constant(title: str, values: np.ndarray) -> bool:
-    """Whether a column changes by so little that an axis would be that of a constant."""
-    return style.limits_of_level(values, style.is_noise(title, values)) is not None
 
 
 def probe_names(table: Table) -> list[str]:
@@ -388,8 +384,9 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         return None
     columns = min(len(names), 4)
     rows = -(-len(names) // columns)
-    drawing = style.figure(max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, dpi=110)
-    top = style.heading(drawing, f"{title}: orbits of the string's centre")
+    drawing = style.sheet(
+        max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, f"{title}: orbits of the string's centre"
+    )
     lines = None
     size, _, unit = display_unit_of("diameter", style.UNITS.get() or "metric")
     length, depth_text = style.depth_unit()
@@ -417,7 +414,7 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     for axes in grid.reshape(-1)[len(names) :]:
         axes.remove()
     width = float(drawing.get_size_inches()[0])
-    drawing.tight_layout(rect=(0, 0, 1 - 1.0 / width, top))
+    drawing.fitted(right=1 - 1.0 / width)
     bar = drawing.add_axes((1 - 0.85 / width, 0.18, 0.13 / width, 0.62))  # 0.7 inches for its numbers
     drawing.colorbar(lines, cax=bar)
     bar.set_title("time [s]", fontsize=9)
@@ -456,8 +453,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     time = next(iter(table.values()))
     if not kept or len(time) < 2:
         return None
-    drawing = style.figure(13.0, 0.9 + 2.4 * len(kept), dpi=110)
-    top = style.heading(drawing, f"{title}: probes")
+    drawing = style.sheet(13.0, 0.9 + 2.4 * len(kept), f"{title}: probes")
     for axes, (column, group) in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
     ):
@@ -485,8 +481,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         if limits is not None:
             axes.set_ylim(*limits)
     axes.set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _along_depth(table: Table, title: str) -> Any:
@@ -499,8 +494,9 @@ def _along_depth(table: Table, title: str) -> Any:
         return None
     per_row = min(len(numbers), 6)
     rows = -(-len(numbers) // per_row)
-    drawing = style.figure(max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, dpi=110)
-    top = style.heading(drawing, f"{title}: static equilibrium along the string")
+    drawing = style.sheet(
+        max(1.2 + 2.3 * per_row, 6.0), 0.9 + 7.2 * rows, f"{title}: static equilibrium along the string"
+    )
     grid = drawing.subplots(rows, per_row, squeeze=False, sharey=True)
     for axes, name in zip(grid.reshape(-1), numbers, strict=False):
         size, unit = display_unit(name, table[name])
@@ -527,5 +523,4 @@ def _along_depth(table: Table, title: str) -> Any:
     for axes in grid[:, 0]:
         axes.set_ylabel(f"{words(depth_title)} [{depth_text}]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()

@@ -53,8 +53,7 @@ def section_and_plan(path: Path, shoes: Sequence[float], title: str) -> Any:
     azimuth = float(np.arctan2(east[farthest] - east[0], north[farthest] - north[0]))
     along = (north - north[0]) * np.cos(azimuth) + (east - east[0]) * np.sin(azimuth)
     shown = round(float(np.degrees(azimuth))) % 360
-    drawing = style.figure(11.0, 5.6, dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(11.0, 5.6, title)
     reach = max(float(np.ptp(values)) for values in (north, east, down)) or 1.0
     views = (
         (
@@ -91,8 +90,7 @@ def section_and_plan(path: Path, shoes: Sequence[float], title: str) -> Any:
         axes.set(title=name, xlabel=f"{across} [{unit}]", ylabel=f"{upward} [{unit}]")
         axes.set_aspect("equal")
         axes.locator_params(nbins=5)
-    drawing.tight_layout(rect=(0, 0.06, 1, top))
-    return drawing
+    return drawing.fitted(bottom=0.06)
 
 
 def schematic(string: Sequence[Piece], hole: Sequence[Piece], title: str) -> Any:
@@ -114,8 +112,7 @@ def schematic(string: Sequence[Piece], hole: Sequence[Piece], title: str) -> Any
     if len(below) > 2 and below[0].bottom - below[0].top > 0.6 * (end - start):
         start = below[0].bottom  # heavy-wall pipe would hide the assembly
     panels = [(string[0].top, end)] + ([(start, end)] if start > string[0].top + 1e-9 else [])
-    drawing = style.figure(4.2 * len(panels) + 1.0, 6.6, dpi=110)
-    top = style.heading(drawing, title)
+    drawing = style.sheet(4.2 * len(panels) + 1.0, 6.6, title)
     widest = max(piece.diameter for piece in (*string, *hole)) / width
     for axes, (upper, lower) in zip(drawing.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
         margin = 0.02 * (lower - upper)
@@ -136,8 +133,7 @@ def schematic(string: Sequence[Piece], hole: Sequence[Piece], title: str) -> Any
         axes.grid(False)
         ratio = _stretched(axes, size, width)
         axes.set_title(f"diameters drawn {ratio:,.0f} times larger than lengths", fontsize=8.5)
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _stretched(axes: Any, size: float, width: float) -> float:

@@ -5,7 +5,7 @@ Steps lie around the mean step of a run of the unchanged case (the pilot), toler
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -412,7 +412,3 @@ def finest_tolerance(points: Sequence[Point], base: Base) -> float:
     if controlled:
         return min(controlled)
     return min((newton_tolerance(base, p.value, 2) for p in points), default=base.tolerance)
-
-
-def as_options(mapping: Mapping[str, Any]) -> Options:
-    return {str(k): str(v) for k, v in mapping.items()}

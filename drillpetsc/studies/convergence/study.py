@@ -29,7 +29,6 @@ from drillpetsc.studies.convergence.plan import (
     VARIED,
     Base,
     Point,
-    as_options,
     case_of,
     plan_curves,
     plan_of,
@@ -149,7 +148,7 @@ def run_study(
     report = say or (lambda line: print(line, file=sys.stderr, flush=True))
     base = read_base(
         request.case,
-        as_options(request.options or {}),
+        {str(k): str(v) for k, v in (request.options or {}).items()},
         request.changes,
         [str(v) for v in request.steps],
         [str(v) for v in request.tolerances],

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.follow.alarms import BY_STANDS, PULL, WEIGHT, Error, Watch
-from drillpetsc.analysis.follow.pressure import EXPONENT, PressureTrack
+from drillpetsc.analysis.follow.alarms import BY_STANDS, EXPONENT, PULL, WEIGHT, Error, PressureTrack, Watch
 from drillpetsc.analysis.follow.sigma_points import Belief, corrected, expected
 from drillpetsc.analysis.follow.state import State, first_belief, states_of, walked, with_priors
 from drillpetsc.errors import CaseError

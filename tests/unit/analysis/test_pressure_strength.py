@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.loads.limits.pressure_strength import (
+from drillpetsc.analysis.loads.limits.strength import (
     PSI,
     burst_pressure,
     collapse_constants,

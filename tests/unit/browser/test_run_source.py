@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.browser import run_source
-from drillpetsc.browser.run_source import DISTANCE, RunSource
-from drillpetsc.browser.tail import Tail
+from drillpetsc.browser.run_source import DISTANCE, RunSource, Tail
 from drillpetsc.output import FieldWriter, Table
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.tables import read_table

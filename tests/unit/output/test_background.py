@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.output.files.background import WAITING, Background
+from drillpetsc.output.files.run_writer import WAITING, Background
 
 
 def test_tasks_are_done_in_order_and_beside_the_caller():

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drillpetsc.geometry.well import Well
-from drillpetsc.output.measured.in_hole import measured_depth, offsets
+from drillpetsc.geometry.well import StraightAxis, Well
+from drillpetsc.output.measured.in_hole import measured_depth, measured_depths, offsets
 from tests.helpers.tables import each_row
 
 
@@ -17,7 +17,7 @@ def straight(inclination: float, azimuth: float) -> Any:
     """A model with a straight hole from the origin."""
     angles = [inclination] * 2, [azimuth] * 2
     well = Well.from_survey([0.0, 100.0], *angles, [100.0], [0.1], [0.0])
-    return SimpleNamespace(well=well)
+    return SimpleNamespace(axis=well)
 
 
 @each_row("azimuth", [0.0, 0.7, 3.0])
@@ -41,3 +41,13 @@ def test_offsets_in_a_vertical_hole_are_north_and_east():
 
 def test_no_points():
     assert offsets(straight(0.3, 0.0), np.zeros((0, 3))).shape == (0, 2)
+
+
+def test_a_string_without_a_hole_lies_along_a_straight_line():
+    """The same places as in a straight hole; above its start the line goes on."""
+    hole, points = straight(0.6, 0.9), np.array([[3.0, 1.0, 20.0], [10.0, 20.0, 30.0]])
+    start, direction, _ = hole.axis.at(np.zeros(1))
+    line = SimpleNamespace(axis=StraightAxis(start[0], direction[0]))
+    assert offsets(line, points) == pytest.approx(offsets(hole, points), abs=1e-12)
+    assert measured_depths(line, points) == pytest.approx(measured_depths(hole, points))
+    assert measured_depth(line, start[0] - 5.0 * direction[0]) == pytest.approx(-5.0)

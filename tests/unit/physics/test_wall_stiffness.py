@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc import Case
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.physics.wall_stiffness import line_stiffness, ring_stiffness
+from drillpetsc.physics.contact import line_stiffness, ring_stiffness
 from tests.helpers.tables import each_row
 
 STEEL, HOLE = 206e9, 0.2159

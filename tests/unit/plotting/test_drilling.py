@@ -27,8 +27,8 @@ from drillpetsc.plotting.command.sweep import (
     round_scale,
     trajectories,
 )
-from drillpetsc.plotting.run import directions, hole_path
-from drillpetsc.plotting.run.directions import direction
+from drillpetsc.plotting.run import hole_path
+from drillpetsc.plotting.run.hole_path import direction
 from drillpetsc.plotting.run.plot import plot
 from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.table import Plan
@@ -230,10 +230,10 @@ def test_directions_are_those_of_the_geometry() -> None:
     tangents = direction(inclination, azimuth)
     assert np.array_equal(tangents, well.direction(inclination, azimuth))
     for tangent in tangents:
-        assert np.array_equal(directions.high_side(tangent), frames.high_side(tangent))
-    shown = directions.dogleg(tangents[:-1], tangents[1:])
+        assert np.array_equal(hole_path.high_side(tangent), frames.high_side(tangent))
+    shown = hole_path.dogleg(tangents[:-1], tangents[1:])
     assert np.array_equal(shown, trajectory.dogleg(tangents[:-1], tangents[1:]))
-    assert directions.COURSE == trajectory.COURSE
+    assert hole_path.COURSE == trajectory.COURSE
 
 
 def test_scales_are_round() -> None:

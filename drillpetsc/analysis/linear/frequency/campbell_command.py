@@ -1,12 +1,15 @@
-"""The `campbell` command: tables, summary and lines of modes over rotary speeds (manual: sec-campbell)."""
+"""The `campbell` command: tables, summary and lines of modes over rotary speeds, and critical speeds over the stiffness of the wall.
+
+Manual: sec-campbell, sec-campbell-stiffness.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
 from drillpetsc.analysis.linear.doubts import Followed
 from drillpetsc.analysis.linear.frequency.campbell import (
@@ -16,8 +19,7 @@ from drillpetsc.analysis.linear.frequency.campbell import (
     Sought,
     campbell,
 )
-from drillpetsc.analysis.linear.frequency.critical_map import critical_map, demand_wall, map_columns
-from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of
 from drillpetsc.analysis.linear.frequency.tracking import LEAST_MAC, searched_beside
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.motion.run_options import options_of
@@ -30,11 +32,84 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import CampbellSummary
 from drillpetsc.output.summaries.summary import MISSING
+
+
+def demand_wall(case: Case) -> None:
+    """Raise CaseError for a case whose string touches nothing."""
+    if case.well is None or case.contact is None:
+        raise CaseError(
+            at="--stiffness",
+            want="a well and contact: it is the stiffness of the wall",
+            hint="give well and contact",
+        )
+    if case.contact.law != "linear":
+        raise CaseError(
+            at="--stiffness",
+            got=f"contact.law {case.contact.law}",
+            want="contact.law linear, whose stiffness is in Pa",
+        )
+
+
+def undamped(case: Case, stiffness: float) -> Case:
+    """The case at a stiffness of the wall [Pa], without damping of the pipe and of impacts, and without friction."""
+    assert case.well is not None and case.contact is not None
+    none = {"stiffness": 0.0, "mass": 0.0}
+
+    def still(material: Any) -> Any:
+        if material is None or material.damping is None:
+            return material
+        return material.model_copy(update={"damping": material.damping.model_copy(update=none)})
+
+    def smooth(item: Any) -> Any:
+        changed: dict[str, Any] = {"friction": None if item.friction is None else 0.0}
+        if item.material is not None:
+            changed["material"] = still(item.material)
+        if getattr(item, "damping", None) is not None and hasattr(item.damping, "stiffness"):
+            changed["damping"] = item.damping.model_copy(update=none)
+        return item.model_copy(update=changed)
+
+    sections = tuple(q.model_copy(update={"friction": 0.0}) for q in case.well.sections)
+    wall = {"stiffness": stiffness, "restitution": 1.0, "stribeck": None}
+    changed = {
+        "material": still(case.material),
+        "string": tuple(smooth(item) for item in case.string),
+        "well": case.well.model_copy(update={"sections": sections}),
+        "contact": case.contact.model_copy(update=wall),
+    }
+    if getattr(case.bottom, "friction", None) is not None:
+        changed["bottom"] = case.bottom.model_copy(update={"friction": 0.0})
+    return case.model_copy(update=changed)
+
+
+def critical_map(
+    case: Case,
+    stiffnesses: tuple[float, ...],
+    sought: Sought,
+    without_control: bool,
+    comm: PETSc.Comm,
+) -> list[tuple[float, Critical]]:
+    """Critical speeds of the undamped case at each stiffness of the wall [Pa], by natural frequencies; collective.
+
+    without_control: as for ``run_campbell``.
+    """
+    out = []
+    for stiffness in stiffnesses:
+        states = TurningModel(turning_case(undamped(case, stiffness), "campbell", without_control), comm)
+        out += [(stiffness, c) for c in campbell(states, sought, natural=True).critical]
+    return out
+
+
+def map_columns(found: list[tuple[float, Critical]]) -> list[Any]:
+    """Columns of critical_map.csv."""
+    rows = [
+        [k, c.branch, c.kind, c.whirl, c.excitation, c.line, rpm_of(c.speed), c.frequency] for k, c in found
+    ]
+    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * 8
+
 
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
 MARGIN = 15.0  # margin to the case's speed [%] below which a critical speed is warned of
@@ -72,19 +147,19 @@ def run_campbell(
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
     summary = _summary(case, found, sought, states, frequency).as_dict()
     if comm.rank == 0:
-        write_case_folder(case, folder.path)
-        write_table(folder.path / CAMPBELL_TABLE, [q.column for q in CAMPBELL], _campbell_columns(found))
+        folder.write_case(case)
+        write_table(folder.path / CAMPBELL_TABLE, CAMPBELL, _campbell_columns(found))
         rows = _critical_columns(found, summary["case_speed"])
-        write_table(folder.path / CRITICAL_TABLE, [q.column for q in CRITICAL], rows)
+        write_table(folder.path / CRITICAL_TABLE, CRITICAL, rows)
         if stiffness:
             columns = [q.column for q in CRITICAL_MAP]
             write_table(folder.path / CRITICAL_MAP_TABLE, columns, map_columns(by_wall))
         write_summary(folder.summary, summary)
-    lines_shown = _lines(case, folder.path, found, summary)
+    shown = _lines(case, found, summary)
     if stiffness:
         said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
-        lines_shown.insert(-1, said)
-    return RunResult(folder.path, summary, lines_shown)
+        shown.append(said)
+    return job.noted(folder, summary, shown)
 
 
 def _blades(case: Case) -> tuple[float, ...]:
@@ -187,7 +262,7 @@ def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
     return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CRITICAL)
 
 
-def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, found: Campbell, summary: dict[str, Any]) -> list[str]:
     first, last = summary["speeds"][0], summary["speeds"][-1]
     added = f" and {len(summary['added_speeds'])} between" if summary["added_speeds"] else ""
     lines = [
@@ -211,8 +286,6 @@ def _lines(case: Case, folder: Path, found: Campbell, summary: dict[str, Any]) -
         f"  searched: all modes up to {min(turning):.3g} Hz"
         + (f"; above, those within {min(beside):.2g} Hz of the excitation lines" if beside else "")
     )
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines
 
 

@@ -21,9 +21,9 @@ from drillpetsc.analysis.linear.frequency.harmonic import (
     rock_load,
     section_forces,
     steady_forces,
+    stresses,
     turning_load,
 )
-from drillpetsc.analysis.linear.frequency.response_stress import stresses
 from drillpetsc.analysis.linear.frequency.stokes import StokesForces, present
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linear.linearised_model import linearise_model
@@ -36,13 +36,11 @@ from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -372,7 +370,7 @@ def run_response(
         ).as_dict()
         if comm.rank == 0:
             write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, summary))
+    return job.noted(folder, summary, _lines(case, summary))
 
 
 def _load(
@@ -508,17 +506,10 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
 
 
 def _write(case: Case, folder: Path, table: list[list[Any]]) -> None:
-    write_case_folder(case, folder)
+    RunFolder(folder).write_case(case)
     columns = [np.array(column) for column in zip(*table, strict=True)]
     names = [q.column for q in (*RESPONSE, *RESPONSE_STRESS)][: len(columns)]
     write_table(folder / RESPONSE_TABLE, names, columns)
-
-
-def write_case_folder(case: Case, folder: Path) -> None:
-    """Write the case into a run folder."""
-    from drillpetsc.output.files.run_folder import RunFolder
-
-    write_case(case, RunFolder(folder))
 
 
 SHOWN = (
@@ -531,7 +522,7 @@ SHOWN = (
 )
 
 
-def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, summary: dict[str, Any]) -> list[str]:
     """Return the lines to show: largest amplitudes by place."""
     speeds, system = summary["speeds"], case.shown_units
     found = {name for entry in summary["peaks"] for name in entry}
@@ -552,6 +543,4 @@ def _lines(case: Case, folder: Path, summary: dict[str, Any]) -> list[str]:
             number = "infinite" if np.isinf(value) else f"{value / unit[0]:.4g}"
             cells.append(f"{f'{number} ({rpm:g})' if value > LEAST else '-' if np.isnan(value) else '0':>20}")
         lines.append(f"  {entry['place'][:18]:<18} {entry['md'] / size:>8.1f} {text:<3}{' '.join(cells)}")
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from petsc4py import PETSc
 from scipy.optimize import brentq
 
 from drillpetsc.analysis.linear.doubts import Mapped
-from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of, write_case_folder
+from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of
 from drillpetsc.analysis.linear.frequency.stability_runs import BEHAVIOURS, RunPoint, refuse, run_point
 from drillpetsc.analysis.linear.frequency.turning import TurningModel, turning_case
 from drillpetsc.analysis.linear.modal import modes, without_motor
@@ -30,10 +29,9 @@ from drillpetsc.output.files.run_folder import (
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
 )
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.summaries.linear import StabilitySummary
 from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import display_unit
@@ -197,18 +195,16 @@ def run_stability(
                 edges += boundaries(growth, speeds)
     summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
     if comm.rank == 0:
-        write_case_folder(case, folder.path)
+        folder.write_case(case)
         rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
-        write_table(folder.path / STABILITY_TABLE, [q.column for q in STABILITY_MAP], _columns(rows, 6))
+        write_table(folder.path / STABILITY_TABLE, STABILITY_MAP, _columns(rows, 6))
         rows = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
-        write_table(folder.path / BOUNDARY_TABLE, [q.column for q in STABILITY_BOUNDARY], _columns(rows, 3))
+        write_table(folder.path / BOUNDARY_TABLE, STABILITY_BOUNDARY, _columns(rows, 3))
         if runs:
             rows = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
-            write_table(
-                folder.path / STABILITY_RUNS_TABLE, [q.column for q in STABILITY_RUNS], _columns(rows, 6)
-            )
+            write_table(folder.path / STABILITY_RUNS_TABLE, STABILITY_RUNS, _columns(rows, 6))
         write_summary(folder.summary, summary)
-    return RunResult(folder.path, summary, _lines(case, folder.path, points, edges, summary))
+    return job.noted(folder, summary, _lines(case, points, edges, summary))
 
 
 def _summary(
@@ -247,9 +243,7 @@ def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
     return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * count
 
 
-def _lines(
-    case: Case, folder: Path, points: list[Point], edges: list[Boundary], summary: dict[str, Any]
-) -> list[str]:
+def _lines(case: Case, points: list[Point], edges: list[Boundary], summary: dict[str, Any]) -> list[str]:
     size, _, text = display_unit("force", case.shown_units)
     lines = [
         f"{case.title or 'case'}: steady motion at {len(summary['speeds'])} speeds and {len(summary['weights'])} weights on bit, "
@@ -287,6 +281,4 @@ def _lines(
         lines.append(
             f"  runs of {summary['runs']['duration']:g} s: {done}; {summary['runs']['differ']} differ from the eigenvalues"
         )
-    lines += [f"  note: {w}" for w in summary["warnings"]]
-    lines.append(f"  results: {folder}")
     return lines

@@ -6,8 +6,7 @@ from typing import Any
 
 from petsc4py import PETSc
 
-from drillpetsc.analysis.linear.linearised_model import settle
-from drillpetsc.analysis.linear.mean_over_turn import mean_over_turn
+from drillpetsc.analysis.linear.linearised_model import mean_over_turn, settle
 from drillpetsc.analysis.linear.modal import rest_of, without_motor
 from drillpetsc.analysis.motion.session.live_input import LiveInput
 from drillpetsc.analysis.statics.equilibrium import StaticState
@@ -19,7 +18,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
-from drillpetsc.model.top.top_drive import continuous_control
+from drillpetsc.model.top import continuous_control
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.time_function import Constant
 

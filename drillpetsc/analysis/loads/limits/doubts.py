@@ -14,14 +14,13 @@ from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.case.case import Case
 from drillpetsc.doubts.doubt import Doubt, remark
-from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.unit_systems import System
+from drillpetsc.doubts.moments import Moment
 
 Values = Iterable[dict[str, Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class Judged(Moment):
     """The limits of a static state have been computed (limits).
 
     table: columns of limits.csv; weakest: worst value, md [m] and item by column, None for an empty one.
@@ -29,7 +28,6 @@ class Judged:
     soft: the soft string gives margins; strength: a yield strength is known.
     """
 
-    model: DrillingModel
     table: Mapping[str, Any]
     weakest: dict[str, Any]
     choices: Choices
@@ -38,16 +36,6 @@ class Judged:
     wob: float
     soft: bool
     strength: bool
-
-    @property
-    def case(self) -> Case:
-        """The case in the operation."""
-        return self.model.case
-
-    @property
-    def units(self) -> System:
-        """Units of the reader."""
-        return self.case.shown_units
 
     @property
     def drill_pipe(self) -> list[DrillPipe]:

@@ -21,7 +21,6 @@ from drillpetsc.analysis.loads.limits.operations import (
 )
 from drillpetsc.analysis.loads.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.loads.limits.table import Choices, Strength, element_values, rows
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import (
     assumed,
     grades_assumed,
@@ -30,6 +29,7 @@ from drillpetsc.analysis.loads.torque_drag.operations import (
     told,
     torque_of_bit,
 )
+from drillpetsc.analysis.loads.torque_drag.string_rows import bends_left_out, cutters_left_out
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS, StaticState
@@ -44,12 +44,10 @@ from drillpetsc.doubts.moments import Answer
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output import write_rows, write_summary, write_table
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling
@@ -147,7 +145,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 buckling={} if buckled is None else buckled.as_dict(),
                 warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             ).as_dict()
-            write_case(given, folder)  # as the user has it; the summary has the operation
+            folder.write_case(given)  # as the user has it; the summary has the operation
             _write_tables(folder, table, contacts)
             write_summary(folder.summary, summary)
             answer = summary
@@ -160,9 +158,8 @@ def _write_tables(
 ) -> None:
     """Write limits.csv and contacts.csv."""
     present = [q for q in LIMITS if q.name in table]
-    write_table(folder.path / LIMITS_TABLE, [q.column for q in present], [table[q.name] for q in present])
-    cells = [[row[q.name] for row in contacts] for q in CONTACTS]
-    write_table(folder.path / CONTACTS_TABLE, [q.column for q in CONTACTS], cells)
+    write_table(folder.path / LIMITS_TABLE, present, [table[q.name] for q in present])
+    write_rows(folder.path / CONTACTS_TABLE, CONTACTS, contacts)
 
 
 def _rotation(case: Case, word: str | None) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.limits import fatigue, pressure_strength, sn_curve, strength
+from drillpetsc.analysis.loads.limits import fatigue, strength
 from drillpetsc.analysis.loads.limits.along_string import State, Surroundings
 from drillpetsc.analysis.loads.limits.buckling_loads import Helical
 from drillpetsc.analysis.loads.limits.side_force import largest_on_joint
@@ -36,7 +36,7 @@ class Choices:
     tension_fraction: float = 0.9
     side_force_per_joint: float = 2000 * 4.4482216152605
     corrosive: bool = False
-    sn: sn_curve.SnCurve | None = None
+    sn: fatigue.SnCurve | None = None
 
 
 class Strength:
@@ -122,9 +122,7 @@ def element_values(
     wet = model.fluid
     nothing = np.full(state.axial.shape, np.nan)
     pressures = (nothing, nothing) if wet is None else (state.inside, state.outside)
-    more = pressure_strength.pressure_ratios(
-        pipe.new_outer[:, None], outer, inner, strong, s.axial, *pressures
-    )
+    more = strength.pressure_ratios(pipe.new_outer[:, None], outer, inner, strong, s.axial, *pressures)
     if choices.sn is not None:
         more["damage_per_hour"] = choices.sn.damage_per_hour(s.bending, rotation)
     if (cased := _in_casing(model, hole.md)).any() and rotation:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -13,7 +12,6 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.loads.torque_drag.batch import Batch, Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import (
     MOST_ROWS,
     Load,
@@ -35,21 +33,32 @@ from drillpetsc.analysis.loads.torque_drag.readings.measured import (
 from drillpetsc.analysis.loads.torque_drag.readings.measured_table import BesidePoints, beside_points
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
-from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, mud_level, need_well
-from drillpetsc.analysis.loads.torque_drag.table import OK, Pressures, failed, rows_of, still_mud
-from drillpetsc.analysis.loads.torque_drag.torque_lines import passed, torque_lines
+from drillpetsc.analysis.loads.torque_drag.string_rows import (
+    StringRows,
+    bends_left_out,
+    cutters_left_out,
+    gravity_of,
+    mud_level,
+    need_well,
+)
+from drillpetsc.analysis.loads.torque_drag.table import (
+    OK,
+    Pressures,
+    failed,
+    passed,
+    rows_of,
+    still_mud,
+    torque_lines,
+)
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
-from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.well import Well
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
+from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
-from drillpetsc.output.result import RunResult
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.unit_systems import System, plain
 
@@ -300,15 +309,15 @@ def run_roadmap(
     if table is not None:
         summary["measured"] = table.summary
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         if table is not None:
-            _write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
+            write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
         absent = {
             "hook_load_total": asked.block_weight is None,
             "hook_load_reading": sensor == Sensor(),
             "ff_groups": not asked.pairs[0].groups,
         }
-        _write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
+        write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
         write_summary(
             folder.path / ROADMAP_FILE,
             _inputs(asked, points) | {"model": model, "torque_lines": lines_of_torque},
@@ -366,11 +375,6 @@ def _beside(
         reason = " ".join(str(error).split())
         warnings.append(f"{MEASURED_TABLE} is left out, the points cannot be computed: {reason}")
         return None
-
-
-def _write_rows(file: Path, quantities: Sequence[Quantity], rows: list[dict[str, Any]]) -> None:
-    """Write a table with a column for each of ``quantities``."""
-    write_table(file, [q.column for q in quantities], [[row[q.name] for row in rows] for q in quantities])
 
 
 def _inputs(asked: RowsAsked, points: tuple[MeasuredPoint, ...]) -> dict[str, Any]:

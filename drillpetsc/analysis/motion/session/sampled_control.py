@@ -15,8 +15,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.own_code import parameters_of
 from drillpetsc.parallel import total
-from drillpetsc.physics.top.sampled_law import SampledLaw
-from drillpetsc.physics.top.sampled_torque import SampledTorque
+from drillpetsc.physics.top.sampled_law import SampledLaw, SampledTorque
 from drillpetsc.physics.top.top_drive import MotorDrive
 
 #: what is measured at the top, in the order of ``MotorDrive.figures``

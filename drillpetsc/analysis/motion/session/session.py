@@ -19,8 +19,7 @@ from drillpetsc.analysis.motion import checkpoint
 from drillpetsc.analysis.motion.initial_state import initial_state
 from drillpetsc.analysis.motion.integrator_choice import make_integrator
 from drillpetsc.analysis.motion.session.live_input import LiveInput
-from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs, SessionOutput, unknown
-from drillpetsc.analysis.motion.session.live_sensors import LiveSensors
+from drillpetsc.analysis.motion.session.live_outputs import LiveOutputs, LiveSensors, SessionOutput, unknown
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.case_inputs import SessionInput, describe, inputs_of, with_inputs
 from drillpetsc.doubts import doubts_at

@@ -24,10 +24,8 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY
-from drillpetsc.output.job import Job
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
@@ -92,7 +90,7 @@ def run_sensitivities_of_run(
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         write_rows(folder.path, rows)
         units = {name: q.unit for name, q in described.items()}
         every = case.output.history_every

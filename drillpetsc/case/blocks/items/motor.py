@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.items.joints import Joint
 from drillpetsc.case.blocks.items.string import ToolTube
-from drillpetsc.case.files.motor_file import read_motor_curve
+from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, said
 from drillpetsc.time_function import Constant, TimeFunction
@@ -79,9 +79,19 @@ class MotorCurve(Block):
         )
 
 
-def _curve_or_file(value: Any) -> Any:
-    """The columns of a curve from the name of a CSV file; other values unchanged."""
-    return read_motor_curve(value) if isinstance(value, str) else value
+#: measured performance of a motor; a column `rpm` needs no unit
+MOTOR_FILE = QuantityFile(
+    {
+        "flow_rate": QuantityColumn("m^3/s", ("flow", "flowrate", "q"), {}),
+        "differential_pressure": QuantityColumn(
+            "Pa", ("differentialpressure", "pressure", "dp", "diffpressure"), {}
+        ),
+        "torque": QuantityColumn("N m", ("torque",), {}),
+        "speed": QuantityColumn("rad/s", ("speed", "rpm"), {"rpm": "rpm"}),
+    },
+    "flow [gpm], differential_pressure [psi], torque [ft lbf], speed [rpm]",
+    "{flow_rate: [...], differential_pressure: [...], torque: [...], speed: [...]}",
+)
 
 
 #: keys of the law that a measured curve replaces
@@ -108,7 +118,7 @@ class MotorSection(Block):
         description="exponent of the loss of speed: speed over free speed is 1 - (torque/stall_torque)^droop",
     )
     curve: Annotated[
-        MotorCurve | None, BeforeValidator(_curve_or_file, json_schema_input_type=str | MotorCurve)
+        MotorCurve | None, BeforeValidator(MOTOR_FILE.read_if_named, json_schema_input_type=str | MotorCurve)
     ] = Field(
         default=None,
         description="measured performance instead of a law: the name of a CSV file with the columns flow, differential_pressure, "

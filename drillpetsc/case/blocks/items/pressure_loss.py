@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 from itertools import pairwise
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block
-from drillpetsc.case.files.loss_file import read_loss_curve
+from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, said
 
@@ -79,9 +79,15 @@ class LossCurve(Block):
         return math.copysign((1 - s) ** 2 * low + s**2 * high, flow)
 
 
-def _curve_or_file(value: Any) -> Any:
-    """The columns of a curve from the name of a CSV file; other values unchanged."""
-    return read_loss_curve(value) if isinstance(value, str) else value
+#: a measured loss over the flow rate
+LOSS_FILE = QuantityFile(
+    {
+        "flow_rate": QuantityColumn("m^3/s", ("flow", "flowrate", "q"), {}),
+        "loss": QuantityColumn("Pa", ("loss", "pressureloss", "pressure", "dp", "differentialpressure"), {}),
+    },
+    "flow [gpm], loss [psi]",
+    "{flow_rate: [...], loss: [...]}",
+)
 
 
 class PressureLoss(Block):
@@ -106,7 +112,7 @@ class PressureLoss(Block):
         description="loss over half the density times the squared velocity in the item's bore, instead of a value",
     )
     curve: Annotated[
-        LossCurve | None, BeforeValidator(_curve_or_file, json_schema_input_type=str | LossCurve)
+        LossCurve | None, BeforeValidator(LOSS_FILE.read_if_named, json_schema_input_type=str | LossCurve)
     ] = Field(
         default=None,
         description="losses at several flow rates instead of a value: {flow_rate: [..], loss: [..]}, or a CSV file with the columns flow and "

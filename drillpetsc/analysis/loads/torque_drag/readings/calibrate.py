@@ -10,7 +10,6 @@ import numpy as np
 
 from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
-from drillpetsc.analysis.loads.torque_drag.left_out import bends_left_out, cutters_left_out
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import alone_by_reading, drift_by_windows
@@ -20,17 +19,16 @@ from drillpetsc.analysis.loads.torque_drag.readings.held_out import Prediction, 
 from drillpetsc.analysis.loads.torque_drag.readings.next_reading import next_readings, told
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.roadmap import MODELS
+from drillpetsc.analysis.loads.torque_drag.string_rows import bends_left_out, cutters_left_out
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
-from drillpetsc.output.job import Job
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.torque_drag import MEASURED
-from drillpetsc.output.result import RunResult
 from drillpetsc.unit_systems import System, shown
 
 FEWEST_DEPTHS = (
@@ -95,7 +93,7 @@ def run_calibrate(
     summary |= _of_depth(fit, drift, prediction) | {"next_readings": [asdict(q) for q in further]}
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         columns = _rows(
             work, fit.computed, np.full(len(fit.computed), np.nan), alone_by_reading(work, fit), "fitted"
         )

@@ -1,4 +1,4 @@
-"""Checks of a downhole motor against the rest of the case."""
+"""Checks of hoist, autodriller, downhole motor and steerable tool against the rest of the case."""
 
 from __future__ import annotations
 
@@ -6,6 +6,34 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.items.agitator import AgitatorTool
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.key_paths import refuse
+from drillpetsc.case.quantities import said
+
+
+def check_hoist(case: CaseBlocks) -> None:
+    """Raise CaseError if a hoist or an autodriller has nothing to move or to measure."""
+    drill, hoist = case.top.autodriller, case.top.hoist
+    if case.time is not None and case.time.mode == "quasi_static":
+        hint = "without inertia the drum's lowering moves the top itself"
+        if drill is not None:
+            raise refuse("top", "autodriller", want="no autodriller in a quasi-static run", hint=hint)
+        if hoist is not None and hoist.heave is not None:
+            raise refuse("top", "hoist", "heave", want="no heave in a quasi-static run", hint=hint)
+    if drill is None:
+        return
+    if case.bottom.kind != "bit":
+        for key, given in (("mode", "wob" in drill.mode), ("mode", "rop" in drill.mode)):
+            if given:
+                want = "no wob or rop unless bottom is a bit on the end of the hole"
+                raise refuse(
+                    "top", "autodriller", key, got=", ".join(drill.mode), want=want, hint="bottom: bit"
+                )
+    if "differential_pressure" in drill.mode and (case.fluid is None or not case.has_bore):
+        want = "no differential_pressure without mud that is pumped into the string"
+        raise refuse("top", "autodriller", "mode", got=", ".join(drill.mode), want=want)
+    fixed = case.petsc.get("ts_dt") if case.petsc.get("ts_adapt_type") == "none" else None
+    if drill.sample and isinstance(fixed, (int, float)) and fixed > drill.sample * (1 + 1e-9):
+        want = f"at least the fixed step petsc.ts_dt, {fixed:g} s"
+        raise refuse("top", "autodriller", "sample", got=drill.sample, want=want)
 
 
 def check_motor(case: CaseBlocks) -> None:
@@ -77,3 +105,29 @@ def _check_agitator(case: CaseBlocks, number: int, item: AgitatorTool) -> None:
     if not case.has_bore or item.id == 0:
         want = "mud in the bore of the agitator: an id, and an open lower end"
         raise refuse(*at, "kind", got="agitator", want=want)
+
+
+TOLERANCE = 1e-6  # [m] depths closer than this are equal
+
+
+def check_steering(case: CaseBlocks) -> None:
+    """Raise if there are several steerable tools, or a joint inside one."""
+    tools = list(case.steering_depths)
+    if len(tools) > 1:
+        raise refuse(
+            "string",
+            tools[1],
+            "kind",
+            got="rss",
+            want=f"one steerable tool in a string, as in string[{tools[0]}]",
+            hint="tool face, steering inputs and columns serve one tool; use loads for a second, constant side force",
+        )
+    for number in tools:
+        if case.hold_string:
+            raise refuse("string", number, "kind", got="rss", want="no steerable tool with hold_string")
+        above, below = case.item_depths[number]
+        for i, joint in enumerate(case.joints):
+            if above + TOLERANCE < joint.at < below - TOLERANCE:
+                ends = " to ".join(said(v, "length", case.output.units or case.units) for v in (above, below))
+                want = f"no joint inside the steerable tool string[{number}], from {ends}"
+                raise refuse("joints", i, "at", got=joint.at, want=want)
