@@ -66,7 +66,11 @@ def summaries(folders: list[Path]) -> list[dict]:
 
 
 def equal_steps(folders: list[Path]) -> None:
-    assert len({summary["steps"] for summary in summaries(folders)}) == 1
+    """As many steps, and no start that is only found by relaxation on some ranks: such a one has many times the iterations."""
+    found = summaries(folders)
+    assert len({summary["steps"] for summary in found}) == 1
+    starts = [summary["statics"]["iterations"] for summary in found if "statics" in summary]
+    assert not starts or max(starts) <= 2 * min(starts)
 
 
 # ---------------------------------------------------------------------- new hole
@@ -197,7 +201,7 @@ TOOLS = {
 }  # fmt: skip
 
 
-def steered(keys: str, column: str, final: float) -> Row:
+def steered(keys: str, column: str, final: float, case: str = STEERED) -> Row:
     """The direction of the tool face is part of a checkpoint."""
 
     def shows(folders: list[Path], history: Columns) -> None:
@@ -205,7 +209,7 @@ def steered(keys: str, column: str, final: float) -> Row:
         assert history["hole_depth [m]"][-1] > 40.201
         equal_steps(folders)
 
-    return Row(STEERED.replace("TOOL", keys), steps("2e-3"), restarts=slice(None, -1, 2), shows=shows)
+    return Row(case.replace("TOOL", keys), steps("2e-3"), restarts=slice(None, -1, 2), shows=shows)
 
 
 def reamed(mud: str) -> Row:
@@ -222,22 +226,19 @@ def reamed(mud: str) -> Row:
     return Row(case, steps("2e-3"), least=1e-9, restarts=slice(None, -1, 2), shows=shows)
 
 
-#: friction of the user at pipe, collars and tool
-OWN_FRICTION = "{stiffness: 1.0e+7, friction_law: {kind: python, function: tests.helpers.laws:stribeck}}"
-ROWS["friction of the user"] = Row(
-    STEERED.replace("TOOL", TOOLS["push"][0]).replace("{stiffness: 1.0e+7}", OWN_FRICTION),
-    steps("2e-3"),
-    restarts=slice(None, -1, 2),
-)  # fmt: skip
-#: a flow curve of the user, in the string and around it
-ROWS["rheology of the user"] = Row(
-    STEERED.replace("TOOL", TOOLS["push"][0])
-    + "fluid: {density: 1200, flow_rate: 0.02, rheology: {model: python, function: tests.helpers.laws:shear_stress}}\n",
-    steps("2e-3"),
-    restarts=slice(None, -1, 2),
+#: friction of the user at pipe, collars and tool, and a flow curve of the user in the string and around it
+OF_THE_USER = (
+    STEERED.replace(
+        "{stiffness: 1.0e+7}",
+        "{stiffness: 1.0e+7, friction_law: {kind: python, function: tests.helpers.laws:stribeck}}",
+    )
+    + "fluid: {density: 1200, flow_rate: 0.02, rheology: {model: python, function: tests.helpers.laws:shear_stress}}\n"
 )
-ROWS |= {f"steerable, {kind}": steered(*tool) for kind, tool in TOOLS.items()}
-ROWS |= {f"reamer, {mud}": reamed(mud) for mud in ("dry", "removed", "returned")}
+ROWS |= {
+    "steerable, push, friction and rheology of the user": steered(*TOOLS["push"], OF_THE_USER),
+    "steerable, point": steered(*TOOLS["point"]),
+}
+ROWS |= {f"reamer, {mud}": reamed(mud) for mud in ("dry", "returned")}
 
 # ---------------------------------------------------------------------- machines
 #: the autodriller begins at 0.04 s, its set point bends at 0.06 s; the torque is a sample
@@ -368,8 +369,6 @@ def jar(kind: str, share: float) -> Row:
 ROWS |= {
     # the error of the speed is a small difference of large numbers
     "hoist": hoist("bit", "0 s", ranks=tuple(FIXED), without=("speed_error",), shows=both_modes),
-    # the local error is a difference of positions whose rounding, 1e-14 m, is 1e-4 of the first errors: steps differ as much
-    "hoist, steps that adapt": hoist("bit", "0 s", ranks=(), share=1e-5),
     "hoist, measured at surface": hoist("surface", "0 s", restarts=slice(None, None, 2)),
     "hoist, sampled at the bit": hoist("bit", "4 ms", restarts=slice(None, None, 2)),
     "top drive": Row(TOP_DRIVE, tuple(FIXED), restarts=slice(None, None, 2), shows=limited_and_changed),
@@ -399,14 +398,12 @@ string:
 joints:
   - {at: 3, kind: revolute, axis: [0, 1, 1], constraint: stabilised}
   - {at: 9.4, kind: universal, constraint: stabilised}
-  - {at: 15.4, kind: slider, spring: 1e6, damping: 1e3SEAL}
+  - {at: 15.4, kind: slider, spring: 1e6, damping: 1e3, seal_area: 50 cm2}
   - {at: 18.4, kind: universal}
 material: {damping: {stiffness: 1.0e-3}}
 top: {kind: top_drive, rotation: 6}
 time: {end: 0.04}
 output: {history_every: 0.02}
-"""
-JOINTS_MUD = """
 fluid: {density: 1200, rheology: {model: newtonian, viscosity: 0.02}, flow_rate: {time: [0, 0.02, 0.04], value: [0.01, 0.01, 0.02]}}
 """
 #: a rigid item as the first of the string, on automatic elements: the mesh does not depend on the number of ranks
@@ -481,17 +478,14 @@ WEIGHT_AND_FORCE = end(
     top={"kind": "top_drive", "rotation": 5.0, "force": 1e5},
     initial={"from": "statics", "wob": 30e3},
 )
-SEALED = JOINTS.replace("SEAL", ", seal_area: 50 cm2") + JOINTS_MUD
 ROWS |= {
-    "joints": Row(JOINTS.replace("SEAL", ""), steps("1e-3"), least=1e-3, shows=slider_loaded),
-    "joints in mud": Row(SEALED, steps("1e-3"), least=1e-3, shows=slider_loaded),
+    "joints in mud": Row(JOINTS, steps("1e-3"), least=1e-3, shows=slider_loaded),
     "rigid top": Row(RIGID_TOP, steps("1e-3"), least=1e-3),
     "universal joint, ancf": turning("ancf"),
     "universal joint, quaternion": turning("quaternion"),
     "top across": across(False),
     "hinged top across": across(True),
     "weight and top force": WEIGHT_AND_FORCE,
-    "sampled pi": controlled(sampled.PI),
     "sampled pi, limited": controlled(sampled.PI, max_torque=2e4, min_torque=0.0),
     "sampled soft torque": controlled(sampled.SOFT),
     "sampled z torque": controlled(sampled.Z_TORQUE | {"delay": 8e-3}),
@@ -512,34 +506,24 @@ output: {history_every: 0.02}
 PIPE = "{kind: pipe, od: 0.127, id: 0.1086, element_length: 20.0, "
 BIT = "{kind: bit, length: 0.3, od: 0.2159, mass: 50.0, nozzle_area: 4.0e-4}"
 NOZZLES = "{kind: stabilizer, length: 1.0, od: 0.2159, body_od: 0.17, id: 0.0714, blade_length: 0.5, "
-#: with nozzles above the bit
-SIDE_NOZZLES = f"""
-  - {PIPE}length: 100.0}}
+LOSS = (
+    "pressure_loss: {curve: {flow_rate: [0.01, 0.02, 0.04], loss: [2.0e+5, 9.0e+5, 1.2e+6]}, density: 1000.0}"
+)
+#: nozzles above the bit, and tools whose losses have curves and whose mud has its own sections, a flexible and a rigid one
+NOZZLES_AND_LOSSES = f"""
+  - {PIPE}length: 60.0}}
+  - {PIPE}length: 40.0, name: tool, {LOSS}, bore_volume: 0.25, annulus_od: 0.14}}
   - {NOZZLES}nozzle_area: 2.0e-4}}
+  - {{kind: body, length: 1.0, od: 0.17, id: 0.07, {LOSS}, bore_volume: 0.003, annulus_od: 0.19}}
   - {PIPE}length: 60.0}}
   - {NOZZLES}nozzle_area: 1.0e-4}}
   - {PIPE}length: 40.0}}
   - {BIT}"""
-LOSS = (
-    "pressure_loss: {curve: {flow_rate: [0.01, 0.02, 0.04], loss: [2.0e+5, 9.0e+5, 1.2e+6]}, density: 1000.0}"
-)
-#: tools whose losses have curves and whose mud has its own sections, a flexible and a rigid one
-LOSSES = f"""
-  - {PIPE}length: 60.0}}
-  - {PIPE}length: 81.0, name: tool, {LOSS}, bore_volume: 0.5, annulus_od: 0.14}}
-  - {{kind: body, length: 1.0, od: 0.17, id: 0.07, {LOSS}, bore_volume: 0.003, annulus_od: 0.19}}
-  - {PIPE}length: 60.0}}
-  - {BIT}"""
 
 
 def side_flow(folders: list[Path], history: Columns) -> None:
-    flow = history["side_flow [m3/s]"]
-    assert 0.005 < flow[-1] < flow[0] < 0.02
-
-
-def pressure_falls(folders: list[Path], history: Columns) -> None:
-    pressure = history["pump_pressure [Pa]"]
-    assert pressure[-1] < pressure[0] - 5e5
+    flow, pressure = history["side_flow [m3/s]"], history["pump_pressure [Pa]"]
+    assert 0.005 < flow[-1] < flow[0] < 0.02 and pressure[-1] < pressure[0] - 5e5
 
 
 def whirls(folders: list[Path], history: Columns) -> None:
@@ -557,8 +541,9 @@ def swirling(**fluid: Any) -> Row:
 
 
 ROWS |= {
-    "side nozzles": Row(PUMPED.replace("STRING", SIDE_NOZZLES), steps("5e-3"), least=1e-9, shows=side_flow),
-    "tool losses": Row(PUMPED.replace("STRING", LOSSES), steps("5e-3"), least=1e-9, shows=pressure_falls),
+    "side nozzles, tool losses": Row(
+        PUMPED.replace("STRING", NOZZLES_AND_LOSSES), steps("5e-3"), least=1e-9, shows=side_flow
+    ),
     "swirl with its lag": swirling(),
     "swirl at once": swirling(swirl=0.4, swirl_lag=False),
 }
@@ -576,6 +561,7 @@ top: {kind: top_drive, lowering: 0.5 m/s, rotation: 20 rpm}
 bottom: free
 initial: {from: statics}
 time: {end: 0.2 s}
+output: {history_every: 10 ms}
 """
 
 

@@ -13,7 +13,7 @@ from tests.helpers.tables import each_row
 from tests.parallel.matrix import ROWS
 
 ON_RANKS = [name for name, row in ROWS.items() if row.ranks is not None]
-GROUPS = 3  # jobs on each number of ranks: tests that workers share
+GROUPS = 2  # jobs on each number of ranks: tests that workers share
 
 
 @pytest.mark.parallel

@@ -15,6 +15,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
+from drillpetsc.fem.component import DRIVE, ROCK
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.geometry.frames import cross
 from drillpetsc.kernels import function, pointer
@@ -278,17 +279,17 @@ class StaticNewton:
         return f.D[0] if advance is None else advance(self.system.assembly.x[f.rows])
 
     def _couplings_of_held_unknowns(self) -> np.ndarray:
-        """Places in the matrix where the unknowns of the rock couple to others (manual: sec-statics-stability).
+        """Places in the matrix where the unknowns of rock and drives couple to others (manual: sec-statics-stability).
 
-        Statics holds the rock by rows of its own.  The string's rows depend on it, those rows not on the string: the
+        Statics holds them by rows of their own.  The string's rows depend on them, those rows not on the string: the
         eigenvalues are those of the string alone, while the symmetric part of the couplings has negative ones.
         """
         layout, asm = self.system.layout, self.system.assembly
-        rock = np.array([f.physics == "rock" for f in layout.fields])[layout.field_of]
-        if not rock.any():
+        held = np.array([f.physics in (ROCK, DRIVE) for f in layout.fields])[layout.field_of]
+        if not held.any():
             return np.zeros(0, dtype=int)
         rows, columns = asm.places()
-        by_row, by_column = (np.append(rock, False)[i] for i in (rows, columns))
+        by_row, by_column = (np.append(held, False)[i] for i in (rows, columns))
         return np.flatnonzero((by_row | by_column) & (rows != columns))
 
     def _factor(self) -> None:

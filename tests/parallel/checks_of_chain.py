@@ -1,19 +1,13 @@
-"""Checks of the chain solver on all ranks; prints one line of JSON, read by test_linear_mpi.py."""
+"""Checks of the chain solver on all ranks; `run_checks.py` calls them, `test_checks_mpi.py` reads their numbers."""
 
 from __future__ import annotations
 
-import json
-import sys
-import traceback
 from dataclasses import dataclass
 
 import numpy as np
-import petsc4py
+from petsc4py import PETSc
 
-petsc4py.init(sys.argv[:1])
-from petsc4py import PETSc  # noqa: E402
-
-from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainNumbering, ChainPC, ZeroPivot  # noqa: E402
+from drillpetsc.solvers.chain.chain_lu import ChainFactor, ChainNumbering, ChainPC, ZeroPivot
 
 COMM = PETSc.COMM_WORLD.tompi4py()
 RANK, SIZE = COMM.rank, COMM.size
@@ -266,18 +260,8 @@ def check_pc(report) -> None:
     ]
 
 
-def main() -> None:
+def chain_solver(folder, patch) -> dict:
     report: dict = {}
     for check in (check_solutions, check_inertia, check_failure, check_refusals, check_work, check_pc):
         check(report)
-    if RANK == 0:
-        print(json.dumps(report))
-
-
-if __name__ == "__main__":
-    try:
-        main()
-    except BaseException:
-        traceback.print_exc()
-        sys.stderr.flush()
-        COMM.Abort(1)
+    return report
