@@ -27,7 +27,7 @@ from drillpetsc.output.catalogue import (
 )
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.job import Job
-from drillpetsc.output.summaries.run import STATIC_START, WHIRLS
+from drillpetsc.output.summaries.run import STATIC_START
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics.quantities import BIT
 from tests.helpers.tables import each_row
@@ -83,15 +83,15 @@ _STRING = {"", where.STRING, where.INERTIA, STATIC_START}
 _MUD = {where.MUD, where.BORE, where.ANNULUS}
 _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
-    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.SLOPES, where.BIT, where.BLOCK, WHIRLS},
-    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, WHIRLS},
+    "dry with bit": {*_STRING, *_IN_WELL, where.TUBES, where.SLOPES, where.BIT, where.BLOCK},
+    "mud": {*_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING},
     "quasi-steady mud": {
-        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.FOLLOWS, WHIRLS,
+        *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.FOLLOWS,
     },
     "joints": {*_STRING, where.TUBES, where.SLOPES, where.TOP, where.JOINTS},
     "drilling with mud": {
         *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.BIT, where.DRILLS,
-        where.CUTS_SIDE, where.CUTTINGS, WHIRLS,
+        where.CUTS_SIDE, where.CUTTINGS,
     },
     "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
     "free top, quasi-static": {"", where.STRING, where.TUBES, where.SLOPES, STATIC_START},
