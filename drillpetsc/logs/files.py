@@ -53,7 +53,8 @@ def sheet_of(file: Path) -> Sheet:
 def is_log(headings: Sequence[Heading]) -> bool:
     """Whether headings have an index and a channel beside it."""
     found = {heading.channel for heading in headings}
-    return bool(found & {"time", *DEPTHS}) and len(found - {"", "time", "date"}) > 1
+    readings = found - {"", "time", "date"}
+    return bool(found & {"time", *DEPTHS}) and len(readings) > (0 if "time" in found else 1)
 
 
 def not_a_log(file: Path, line: int, got: str = "lines without these names") -> CaseError:

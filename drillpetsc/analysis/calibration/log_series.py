@@ -86,7 +86,7 @@ def log_series(file: str, case: Case, history: Collection[str]) -> LogSeries:
         values = values[known] - _above_string(case, channel)
         parts.append((np.full(known.sum(), len(columns)), time[known], values))
         columns.append(name)
-        scatter.append(_scatter(values))
+        scatter.append(scatter_of_rows(values))
     if not columns:
         have = ", ".join(title for channel, title in log.titles.items() if channel != "time") or "none"
         want = f"at least {FEWEST_ROWS} numbers in a column that the run has: {', '.join(_words(history))}"
@@ -115,7 +115,7 @@ def _above_string(case: Case, channel: str) -> float:
     return 0.0 if excluded else case.rig.block_weight or 0.0
 
 
-def _scatter(values: FloatArray) -> float:
+def scatter_of_rows(values: FloatArray) -> float:
     """Standard error of readings (n,) in order, from their second differences."""
     second = np.abs(values[:-2] - 2 * values[1:-1] + values[2:])
     least = max(SMALLEST_SHARE * float(np.ptp(values)), OF_LARGEST * float(np.abs(values).max()))

@@ -200,14 +200,11 @@ class RunCalibration(Estimator):
         loss = 1 / np.sqrt(1 + (residual[:count] / SOFT_SCALE) ** 2)
         rows, prior = jacobian[:count] * loss[:, None], jacobian[count:]
         power = jacobian[:count].T @ rows + prior.T @ prior
-        middle, independent = self.readings_alike * prior.T @ prior, 0.0
-        raw, effective, size = {}, {}, {}
-        for name in log.columns:
-            mine = np.flatnonzero(series == name)
-            alike = readings_alike(fit.computed[mine] - log.value[mine])
-            effective[name], size[name] = len(mine) / alike, len(mine)
-            raw[name] = alike * float(np.ptp(log.time[mine])) / (len(mine) - 1)
-            independent += effective[name]
+        middle = self.readings_alike * prior.T @ prior
+        of_column = [np.flatnonzero(series == name) for name in log.columns]
+        # the columns of one run have errors of one kind, and a single estimate is often too small
+        alike = max(readings_alike(fit.computed[mine] - log.value[mine]) for mine in of_column)
+        for mine in of_column:
             gap = np.diff(log.time[mine])
             kept = np.append(0.0, ((alike - 1) / (alike + 1)) ** (gap / gap.mean()))
             sums = np.zeros(
@@ -218,7 +215,10 @@ class RunCalibration(Estimator):
             both = rows[mine].T @ sums
             variance = float(loss[mine] @ residual[mine] ** 2 / loss[mine].sum())
             middle = middle + variance * (both + both.T - rows[mine].T @ rows[mine])
-        fit.lengths = Lengths(raw, {}, effective, size)
+        size = dict(zip(log.columns, map(len, of_column), strict=True))
+        time = {name: alike * float(np.ptp(log.time)) / n for name, n in size.items()}
+        fit.lengths = Lengths(time, {}, {name: n / alike for name, n in size.items()}, size)
+        independent = count / alike
         freedom = max(independent - rows.shape[1], 1.0)
         inverse = np.linalg.inv(power)
         fit.covariance = inverse @ middle @ inverse * independent / freedom
