@@ -22,10 +22,8 @@ from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, und
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
 from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.case_files import write_case
 from drillpetsc.output.files.run_folder import CALIBRATION_SERIES
-from drillpetsc.output.job import Job
-from drillpetsc.output.result import RunResult
+from drillpetsc.output.job import Job, RunResult
 
 MOVED = 0.5  # change of a number by finer steps over the half width of its interval, which is told
 UNEXPLAINED = 3.0  # rms of the residuals over the scatter from row to row, from which the model does not explain the log
@@ -68,7 +66,7 @@ def run_calibrate_log(
     }
     folder = job.make_folder()
     if job.comm.rank == 0:
-        write_case(case, folder)
+        folder.write_case(case)
         titles, columns = _table(work, fit, described)
         write_table(folder.path / CALIBRATION_SERIES, titles, columns)
         write_summary(folder.summary, summary)

@@ -68,8 +68,7 @@ def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, C
 def _series(table: Table, title: str) -> Any:
     """The columns of a log over time, beside the run with the fitted numbers."""
     names = [column.split(" read [")[0] for column in table if " read [" in column]
-    drawing = style.figure(10.0, 1.5 + 2.2 * len(names), dpi=110)
-    top = style.heading(drawing, f"{title}: log and run with the fitted numbers")
+    drawing = style.sheet(10.0, 1.5 + 2.2 * len(names), f"{title}: log and run with the fitted numbers")
     panels = drawing.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         title_read = next(column for column in table if column.startswith(f"{name} read ["))
@@ -81,8 +80,7 @@ def _series(table: Table, title: str) -> Any:
         axes.set_ylabel(f"{name.replace('_', ' ')} [{shown}]")
     panels[0].legend(frameon=False, fontsize=8.5, ncols=2, loc="lower right", bbox_to_anchor=(1, 1))
     panels[-1].set_xlabel("time [s]")
-    drawing.tight_layout(rect=(0, 0, 1, top))
-    return drawing
+    return drawing.fitted()
 
 
 def _calibration(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
