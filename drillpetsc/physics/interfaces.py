@@ -1,4 +1,4 @@
-"""Interfaces of components that have more than one implementation: beam, top, bit, wall contact, drive."""
+"""Interfaces of components that have more than one implementation: beam, top, bit, drive."""
 
 from __future__ import annotations
 
