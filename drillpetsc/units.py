@@ -199,6 +199,15 @@ def bare_number(value: object) -> float | None:
     return float(cast(SupportsFloat, value)) if is_number or _is_number_like(value) else None
 
 
+def is_number(word: str) -> bool:
+    """Whether a text is a bare number."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
 def _is_number_like(value: object) -> bool:
     """Whether a value is a number of another package, such as a whole number of numpy, or an array of one number."""
     if isinstance(value, (str, bool)) or getattr(value, "ndim", None) not in (None, 0):

@@ -17,6 +17,7 @@ from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Option
 from drillpetsc.operations.shell import EPILOG, EXIT_STATUS
 from drillpetsc.parallel import report_error, report_interrupt
+from drillpetsc.units import is_number
 
 _NEGATIVE = re.compile(r"-\.?\d")  # a number below zero, with or without a unit: no option begins so
 _CASE_KEY = re.compile(r"[A-Za-z_]\w*(\[\d+\]|\.\w+)*\s*=")  # KEY=..., which is no value of a PETSc option
@@ -151,7 +152,7 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
     while i < len(words):
         word = words[i]
         value = (
-            not _is_number(word)
+            not is_number(word)
             and own
             and i
             and own[-1] == words[i - 1]
@@ -182,15 +183,6 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
             own.append(word)
         i += 1
     return own, petsc_options
-
-
-def _is_number(word: str) -> bool:
-    """Whether a word is a bare number, which a parser knows from an option."""
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def _refuse_old(words: list[str]) -> None:

@@ -120,8 +120,7 @@ def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:
 
 def build_rheology(case: Case, annulus: bool = False) -> Rheology:
     """Create the rheology of the case's fluid, in the string or in the annulus."""
-    assert case.fluid is not None
-    q = (case.fluid.annulus_rheology if annulus else None) or case.fluid.rheology
+    q = (case.given_fluid.annulus_rheology if annulus else None) or case.given_fluid.rheology
     curve = None
     if isinstance(q, OwnRheology):
         curve = flow_curve(OwnLaw(RHEOLOGY, q.function, q.call, q.parameters))
@@ -354,22 +353,20 @@ def side_links(case: Case, mesh: StringMesh) -> tuple[SideLink, ...]:
 
 def _lower_end_area(case: Case, mesh: StringMesh) -> tuple[float, float]:
     """Flow area [m2] and discharge coefficient [-] of the string's lower end; area 0: closed."""
-    assert case.fluid is not None
     if case.bottom.plugged:
         return 0.0, 1.0
     nozzle = case.string[-1].nozzle_area
-    return (nozzle, case.fluid.discharge_coefficient) if nozzle else (float(mesh.bore_area[-1]), 1.0)
+    return (nozzle, case.given_fluid.discharge_coefficient) if nozzle else (float(mesh.bore_area[-1]), 1.0)
 
 
 def _surface_line(case: Case) -> SurfaceLine | None:
     """The lines between pump and string, None without them."""
-    assert case.fluid is not None
-    line = case.fluid.surface_line
+    line = case.given_fluid.surface_line
     if line is None:
         return None
     return SurfaceLine(
         build_rheology(case),
-        case.fluid.density,
+        case.given_fluid.density,
         line.length or 0.0,
         line.id or 0.0,
         line.loss or 0.0,
@@ -411,8 +408,7 @@ def _stokes_mass(case: Case, sizes: Annulus) -> FloatArray:
 def lateral_viscosity(case: Case, inner: FloatArray, outer: FloatArray) -> FloatArray:
     """Apparent viscosity (n,) [Pa s] at the wall of a pipe that turns at the reference speed omega, with the shear rate
     2 omega/(1 - (Do/Dw)^2) (Couette).  inner, outer: diameters of string and hole [m]."""
-    assert case.fluid is not None
-    return shear_viscosity(case, 2 * case.fluid.lateral_damping_speed / (1 - (inner / outer) ** 2))
+    return shear_viscosity(case, 2 * case.given_fluid.lateral_damping_speed / (1 - (inner / outer) ** 2))
 
 
 @lru_cache(maxsize=256)
@@ -442,8 +438,7 @@ def _chi_by_place(inner: FloatArray, outer: FloatArray) -> FloatArray:
 
 def shear_viscosity(case: Case, shear_rate: FloatArray) -> FloatArray:
     """Compute the apparent viscosity (n,) [Pa s] of the fluid in the annulus at shear rates (n,) [1/s]."""
-    assert case.fluid is not None
-    rheology = case.fluid.annulus_rheology or case.fluid.rheology
+    rheology = case.given_fluid.annulus_rheology or case.given_fluid.rheology
     consistency, index, yield_stress = flow_constants(rheology)
     if isinstance(rheology, OwnRheology):
         return np.asarray(rheology.stress(shear_rate) / shear_rate)
@@ -506,8 +501,7 @@ def _following(
 
     speed: (k,) of the flow along the hole [m/s]; inner, outer: (k,) diameters of string and hole [m].
     """
-    assert case.fluid is not None
-    density, gap = case.fluid.density, 0.5 * (outer - inner)
+    density, gap = case.given_fluid.density, 0.5 * (outer - inner)
     viscous = np.pi**2 * lateral_viscosity(case, inner, outer) / density / gap**2
     moving = np.maximum(np.abs(speed), 1e-6)
     stress = wall_shear(rheology, moving, 2 * gap, True, density)

@@ -20,8 +20,7 @@ def poisson(case: Case, mesh: StringMesh) -> FloatArray:
 
     0 for items given by stiffnesses, and for rigid walls.
     """
-    assert case.fluid is not None
-    if not case.fluid.elastic_walls:
+    if not case.given_fluid.elastic_walls:
         return np.zeros(len(mesh.upper))
     return np.array([_constants(case, number)[1] for number in mesh.item])
 
@@ -50,8 +49,7 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
         if item.annulus_od is not None:
             metal = item.outer_section * body.length - bore * body.length
         elif isinstance(item, Stabilizer) and item.bypass_area is not None:
-            assert case.well is not None
-            metal = metal_past(item, case.well.diameter_at(depth))
+            metal = metal_past(item, case.given_well.diameter_at(depth))
         area[body.node] += np.array([bore * body.length, metal])
         volume[body.node] += metal
         length[body.node] += body.length
@@ -81,10 +79,9 @@ def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
 
 def build_bore(case: Case, mesh: StringMesh) -> Bore:
     """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
-    assert case.fluid is not None
     inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
     area, wall = mesh.bore_area, np.zeros(len(inner))
-    if case.fluid.elastic_walls:
+    if case.given_fluid.elastic_walls:
         young, nu = np.array([_constants(case, k) for k in mesh.item]).T
         wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
     runs, _ = _rigid_runs(case, mesh)

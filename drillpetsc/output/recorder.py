@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any
@@ -336,36 +336,11 @@ class Recorder:
                 self._row.time, self._row.step, self._row.newton = t, dt, newton
                 self._now.append((self._history_row.numbers_now(), self._probe_row.numbers_now()))
 
-    # ------------------------------------------------------------------ jumps and events, of the energy balance
-    def at_jump(self, t: float) -> None:
-        """``EnergyBalance.at_jump``."""
+    def tell_energy(self, event: Callable[[EnergyBalance, float], None], t: float) -> None:
+        """Let the energy balance, if there is one, take an ``event`` at ``t`` [s] after the steps that wait."""
         self.catch_up()
         if self.energy is not None:
-            self.energy.at_jump(t)
-
-    def after_sample(self, t: float) -> None:
-        """``EnergyBalance.after_sample``."""
-        self.catch_up()
-        if self.energy is not None:
-            self.energy.after_sample(t)
-
-    def before_event(self, t: float) -> None:
-        """``EnergyBalance.before_event``."""
-        self.catch_up()
-        if self.energy is not None:
-            self.energy.before_event(t)
-
-    def after_event(self, t: float) -> None:
-        """``EnergyBalance.after_event``."""
-        self.catch_up()
-        if self.energy is not None:
-            self.energy.after_event(t)
-
-    def add_impulse_work(self, t: float) -> None:
-        """``EnergyBalance.add_impulse_work``."""
-        self.catch_up()
-        if self.energy is not None:
-            self.energy.add_impulse_work(t)
+            event(self.energy, t)
 
     def estimate_time_error(self, formula: OutputErrors) -> None:
         """Estimate the time error of the main outputs of a run with this time formula."""

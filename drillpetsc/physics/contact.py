@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Powers
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Energies, Powers
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
@@ -27,7 +27,6 @@ from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns, constant, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
-from drillpetsc.physics.interfaces import WallContact
 from drillpetsc.physics.own_law import OwnLaw
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.physics.roots import bracketed_root
@@ -123,7 +122,7 @@ def penetration(linear: ArrayLike) -> FloatArray:
     return np.where(d > ONSET, d, 2 * np.sqrt(ONSET * np.maximum(d, 0.0)) - ONSET)
 
 
-class Contact(WallContact):
+class Contact(Component):
     """Contact of pipes and rigid items with the wall.
 
     mesh: of the string; well: the hole; law: constants of the contact.
@@ -426,9 +425,12 @@ class Contact(WallContact):
         return cells, bodies[-1] if len(bodies) == 2 else np.vstack(bodies)
 
     def evaluate(self, state) -> None:
+        """Compute all results at the present state."""
         self._block_results(state)
 
     def normal_forces_at(self, state) -> tuple[np.ndarray, np.ndarray]:
+        """Addresses of the sums of normal forces [N] that ``evaluate`` computes: (nc,) of each local cell, (bodies,) of each rigid item,
+        0 for none, and if another rank has it."""
         cells, bodies = (np.zeros(n, dtype=np.uintp) for n in (len(self._part.cells), len(self.mesh.bodies)))
         items = iter(self._items)
         for b, results in zip(self._blocks, self._block_results(state), strict=True):

@@ -1,4 +1,4 @@
-"""Interfaces of components that have more than one implementation: beam, top, bit, wall contact, drive."""
+"""Interfaces of components that have more than one implementation: beam, top, bit, drive."""
 
 from __future__ import annotations
 
@@ -249,43 +249,6 @@ class Bit(Component):
     def drills(self) -> bool:
         """Whether the bit cuts rock."""
         return self.hole is not None
-
-
-class WallContact(Component):
-    """Contact of the string with the wall of the hole."""
-
-    @abstractmethod
-    def element_results(self, state: Any) -> tuple[FloatArray, FloatArray]:
-        """(nc, columns) per local cell and (nb, columns) per local rigid item: results of ``physics.contact.RESULTS``."""
-
-    @abstractmethod
-    def evaluate(self, state: Any) -> None:
-        """Compute all results at the present state."""
-
-    @abstractmethod
-    def normal_forces_at(self, state: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Addresses of the sums of normal forces [N] that ``evaluate`` computes: (nc,) of each local cell, (bodies,) of each rigid item,
-        0 for none, and if another rank has it."""
-
-    @abstractmethod
-    def item_results(self, state: Any) -> FloatArray:
-        """(bodies, columns) results of each rigid item, like ``element_results``, zero if another rank has it."""
-
-    @abstractmethod
-    def normal_force(self, cell: int) -> float:
-        """Normal force on a local cell in the last residual [N]."""
-
-    @abstractmethod
-    def item_results_of(self, steps: Any) -> FloatArray:
-        """(k, bodies, columns) ``item_results`` after each of k recorded steps."""
-
-    @abstractmethod
-    def normal_force_of(self, cell: int, steps: Any) -> FloatArray:
-        """(k,) ``normal_force`` after each of k recorded steps."""
-
-    @abstractmethod
-    def copy_sliding_direction(self, other: Any) -> None:
-        """Take over the sliding direction that statics imposed on the contact of another model."""
 
 
 class Drive(Component):

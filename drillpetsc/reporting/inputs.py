@@ -26,8 +26,7 @@ FROM_CASE = "case"
 
 def survey_table(case: Case) -> dict[str, np.ndarray]:
     """Stations of the survey with positions by minimum curvature, as columns of trajectory.csv."""
-    assert case.well is not None
-    q = case.well.survey
+    q = case.given_well.survey
     at, severity = [np.zeros(3)], [0.0]
     for i in range(1, len(q.md)):
         ends = q.inclination[i - 1], q.azimuth[i - 1], q.inclination[i], q.azimuth[i]
@@ -105,12 +104,11 @@ def _largest(table: dict[str, np.ndarray], system: System) -> tuple[str, str]:
 
 
 def _hole(case: Case, system: System) -> Grid:
-    assert case.well is not None
     length, _, depth = display_unit("length", system)
     size, _, across = display_unit("diameter", system)
     heads = ("Hole section", f"from [{depth}]", f"to [{depth}]", f"Diameter [{across}]", "Friction factor")
     rows, top = [], 0.0
-    for s in case.well.sections:
+    for s in case.given_well.sections:
         rows.append(
             (
                 {"casing": "cased", "riser": "riser"}.get(s.kind, "open hole"),

@@ -10,10 +10,8 @@ import numpy as np
 
 import drillpetsc.physics
 from drillpetsc.fem.component import Component
-from drillpetsc.physics import flow_interfaces, interfaces
+from drillpetsc.physics import interfaces
 from tests.helpers.tables import each_row
-
-INTERFACES = (interfaces.__name__, flow_interfaces.__name__)
 
 for found in pkgutil.walk_packages(drillpetsc.physics.__path__, "drillpetsc.physics."):
     importlib.import_module(found.name)
@@ -25,14 +23,14 @@ def all_components() -> list[type[Component]]:
     while open_:
         for kind in open_.pop().__subclasses__():
             open_.append(kind)
-            if kind.__module__.startswith("drillpetsc.physics.") and kind.__module__ not in INTERFACES:
+            if kind.__module__.startswith("drillpetsc.physics.") and kind.__module__ != interfaces.__name__:
                 classes.append(kind)
     return sorted(set(classes), key=lambda kind: (kind.__module__, kind.__name__))
 
 
 def declared(kind: type[Component]) -> set[str]:
     """Names that the base class and the interfaces above ``kind`` declare."""
-    above = [base for base in kind.__mro__ if base is Component or base.__module__ in INTERFACES]
+    above = [base for base in kind.__mro__ if base is Component or base.__module__ == interfaces.__name__]
     return {name for base in above for name in (*vars(base), *getattr(base, "__annotations__", {}))}
 
 
@@ -40,7 +38,7 @@ def declared(kind: type[Component]) -> set[str]:
 def test_public_methods_are_declared_or_documented(kind: type[Component]) -> None:
     """A method that no interface declares is one that only its own class has: its docstring is the one description of it."""
     for base in kind.__mro__:
-        if not base.__module__.startswith("drillpetsc.physics.") or base.__module__ in INTERFACES:
+        if not base.__module__.startswith("drillpetsc.physics.") or base.__module__ == interfaces.__name__:
             continue
         for name, value in vars(base).items():
             public = inspect.isfunction(value) or isinstance(value, property | classmethod | staticmethod)
@@ -68,15 +66,10 @@ def test_hooks_keep_the_arguments_of_the_declaration(kind: type[Component]) -> N
 
 
 def test_every_hook_has_a_docstring() -> None:
-    for base in (
-        Component,
-        *(
-            c
-            for module in (interfaces, flow_interfaces)
-            for _, c in inspect.getmembers(module, inspect.isclass)
-            if c.__module__ in INTERFACES
-        ),
-    ):
+    declared_there = (
+        c for _, c in inspect.getmembers(interfaces, inspect.isclass) if c.__module__ == interfaces.__name__
+    )
+    for base in (Component, *declared_there):
         for name, value in vars(base).items():
             if inspect.isfunction(value) and not name.startswith("_"):
                 assert inspect.getdoc(value), f"{base.__name__}.{name}"
@@ -116,7 +109,7 @@ def test_recorded_steps_are_those_of_the_same_class(kind: type[Component]) -> No
         if not hasattr(kind, name) or not hasattr(kind, of_steps):
             continue
         here, there = (next(k for k, c in enumerate(order) if n in vars(c)) for n in (name, of_steps))
-        falls_back = order[there] is Component or order[there].__module__ in INTERFACES
+        falls_back = order[there] is Component or order[there].__module__ == interfaces.__name__
         together = order[there].__module__ == order[here].__module__  # a class for several of one form
         assert falls_back or there <= here or together, (
             f"{order[here].__name__}.{name}, but {order[there].__name__}.{of_steps}"

@@ -247,7 +247,7 @@ def test_a_growth_far_below_the_frequency_is_marginal():
     case = Case(**spring_and_bit())
     summary = _summary(case, small, 0, None).as_dict()
     assert (summary["unstable"], summary["marginal"]) == (0, 3)
-    lines = _lines(case, Path("x"), small, [], summary)
+    lines = _lines(case, small, [], summary)
     assert "unstable at 0 of 3 points, marginal at 3" in lines[0] and "marginal at all speeds" in lines[1]
 
     class Growth:

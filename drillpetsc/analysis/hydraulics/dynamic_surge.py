@@ -46,9 +46,10 @@ def duration(case: Case, length: float, speed: float) -> tuple[float, float]:
 
     length: of the string [m]; speed: [m/s].
     """
-    assert case.fluid is not None
     started = speed / ACCELERATION
-    return started, started + PASSAGES * length * float(np.sqrt(case.fluid.density / case.fluid.bulk_modulus))
+    return started, started + PASSAGES * length * float(
+        np.sqrt(case.given_fluid.density / case.given_fluid.bulk_modulus)
+    )
 
 
 def dynamic_surge(

@@ -339,8 +339,7 @@ class FlowModel:
     @property
     def flow_line(self) -> float:
         """Vertical depth of the flow line below the rotary table [m]."""
-        assert self.case.fluid is not None
-        return self.case.fluid.flow_line
+        return self.case.given_fluid.flow_line
 
     def pressure(self, channel: str) -> FloatArray | None:
         """(n+1,) gauge pressures at the nodes [Pa] of ``bore`` or ``annulus``; None where there is none."""
@@ -357,8 +356,7 @@ class FlowModel:
         annulus = self.pressure("annulus")
         if annulus is not None:
             return float(annulus[-1])
-        assert self.case.fluid is not None
-        return self.case.fluid.outlet_pressure.value(0.0)
+        return self.case.given_fluid.outlet_pressure.value(0.0)
 
     def pressure_above(self, depth: FloatArray) -> FloatArray:
         """Compute the gauge pressure [Pa] of the mud above the string's top at vertical depths (k,) [m].

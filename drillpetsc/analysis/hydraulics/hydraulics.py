@@ -512,8 +512,7 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
 
 def _mud_lines(case: Case, system: System) -> list[str]:
     """The flow curves that fit the dial readings; nothing without readings."""
-    assert case.fluid is not None
-    found = rheology_fits.fits(case.fluid.rheology)
+    found = rheology_fits.fits(case.given_fluid.rheology)
     if not found:
         return []
     (y, stress), (k, consistency) = (

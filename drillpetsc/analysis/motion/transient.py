@@ -6,7 +6,7 @@ import sys
 import time as clock
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,7 @@ from drillpetsc.doubts.state import TopPush
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
-from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
+from drillpetsc.output.balances.energy_balance import EnergyBalance, EnergyGainMonitor
 from drillpetsc.output.files.run_folder import make_folder
 from drillpetsc.output.files.run_writer import RunWriter, after, passed
 from drillpetsc.output.files.well_files import write_well_files
@@ -247,10 +247,10 @@ class TransientRun:
             self._open()
         integrator.after_step.append(self._after_step)
         if recorder.energy is not None:
-            integrator.at_jump.append(recorder.at_jump)
-            integrator.after_sample.append(recorder.after_sample)
-            integrator.before_event.append(recorder.before_event)
-            integrator.after_event.append(recorder.after_event)
+            integrator.at_jump.append(partial(recorder.tell_energy, EnergyBalance.at_jump))
+            integrator.after_sample.append(partial(recorder.tell_energy, EnergyBalance.after_sample))
+            integrator.before_event.append(partial(recorder.tell_energy, EnergyBalance.before_event))
+            integrator.after_event.append(partial(recorder.tell_energy, EnergyBalance.after_event))
         integrator.on_step_end.append(self._finish_step)
         integrator.on_failure.append(recorder.catch_up)
         self.memory = Memory(self.mpi, self.start, self.end)
@@ -334,7 +334,7 @@ class TransientRun:
             t, dt, writer.next_row_time, integrator.input_time(t), integrator.fresh, integrator.next_step
         )
         if integrator.jumped:
-            recorder.add_impulse_work(t)
+            recorder.tell_energy(EnergyBalance.add_impulse_work, t)
         if self.classes is not None:
             self.classes.step(t, dt)
         newton = integrator.newton_iterations()

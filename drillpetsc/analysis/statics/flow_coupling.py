@@ -43,8 +43,7 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
     Returns False, with the state restored, if it does not converge, and for flows of the Hermite formulation,
     whose chamber is filled from outside.
     """
-    assert model.case.fluid is not None
-    if model.case.fluid.formulation != "mixed":
+    if model.case.given_fluid.formulation != "mixed":
         return False
     system, start = model.system, Snapshot(model)
     fluid = fluid_unknowns(system)

@@ -10,7 +10,8 @@ from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import HelixBand, March
 from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.interfaces import Bit, WallContact
+from drillpetsc.physics.contact import Contact
+from drillpetsc.physics.interfaces import Bit
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 
@@ -62,7 +63,7 @@ class StaticProblem:
     model: DrillingModel
     solver: StaticNewton
     state: StaticState
-    components: tuple[WallContact | Bit, ...]
+    components: tuple[Contact | Bit, ...]
     fraction: float
     lowering: float
     found: March | None

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
-from drillpetsc.physics.flow_interfaces import Nozzle
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -73,7 +72,7 @@ class BitEnd:
     cut: float = 0.0
 
 
-class BitFlow(Nozzle):
+class BitFlow(Component):
     """One link and one chamber at the last node: unknown q_b [m3/s] if the bore ends in a link.
 
     node: the last one; end: data of the lower end; fluid: constants.

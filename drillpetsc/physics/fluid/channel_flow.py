@@ -14,11 +14,10 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
-from drillpetsc.physics.flow_interfaces import Channel
 
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
@@ -73,7 +72,7 @@ class FluidConstants:
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
 
 
-class ChannelFlow(Channel):
+class ChannelFlow(Component):
     """Elements of one channel; the subclass gives its name, kernel and parameters."""
 
     name = ""
@@ -282,12 +281,15 @@ class ChannelFlow(Channel):
         return np.asarray(system.assembly.x.take(self._pressure_places(system)))
 
     def pressure_at(self, system, vertex: int) -> float:
+        """Pressure at one local vertex [Pa]."""
         return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
 
     def pressure_at_of(self, steps, vertex: int) -> FloatArray:
+        """(k,) ``pressure_at``."""
         return np.asarray(steps.unknowns(steps.assembly.layout.dofs[f"{self.name}.pressure"].item(vertex, 0)))
 
     def pressure_places(self, system) -> np.ndarray | None:
+        """(nv,) places of the pressures at the local vertices in the unknowns; None if they are computed from others."""
         return self._pressure_places(system)
 
     def _pressure_places(self, system) -> np.ndarray:
@@ -305,3 +307,37 @@ class ChannelFlow(Channel):
         """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
         block, row = self._upper_element
         return float(state.x.item(state.index_of(block).item(row, -3)))
+
+    def pumped(self, t: float, state: Any) -> float | None:
+        """Flow rate that the pump supplies [m3/s]; None on ranks without the upper end, and in an annulus."""
+        return None
+
+    def outflow(self, state: Any) -> float | None:
+        """Flow rate out of the flow line [m3/s]; None on ranks without the upper end, and in a bore."""
+        return None
+
+    def lateral_sizes(self) -> FloatArray:
+        """(nc, 2) outer diameter of the string and diameter of the hole [m] of the local elements; (0, 2) in a bore."""
+        return np.zeros((0, 2))
+
+    def set_lateral(self, added: FloatArray, damping: FloatArray) -> None:
+        """Replace the coefficients of motion across the hole, of the local elements.
+
+        added: (nc,) added over displaced mass [-]; damping: (nc,) [N s/m2].
+        """
+
+    def content_above(self, state: Any) -> float:
+        """Volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the upper end."""
+        return 0.0
+
+    def pumped_of(self, steps: Any) -> FloatArray | None:
+        """(k,) ``pumped``."""
+        return None
+
+    def outflow_of(self, steps: Any) -> FloatArray | None:
+        """(k,) ``outflow``."""
+        return None
+
+    def content_above_of(self, steps: Any) -> Any:
+        """(k,) ``content_above``, or one number for all."""
+        return 0.0

@@ -9,11 +9,10 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Energies
+from drillpetsc.fem.component import Component, ElementBlock, Energies
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.flow_interfaces import SealSet
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.time_function import TimeFunction
 
@@ -22,7 +21,7 @@ _STORED, _POTENTIAL = SEAL_RESULTS.index("stored"), SEAL_RESULTS.index("potentia
 _CONTENT = [SEAL_RESULTS.index("bore_content"), SEAL_RESULTS.index("annulus_content")]
 
 
-class JointSeals(SealSet):
+class JointSeals(Component):
     """Seals of all sliders that have a sealed area.
 
     mesh: of the string; fluid: constants.
@@ -75,12 +74,14 @@ class JointSeals(SealSet):
         return (self._block,)
 
     def element_results(self, state) -> FloatArray:
+        """(k, 6) of the local joints with seals: columns of ``physics.fluid.joint_seals.SEAL_RESULTS``."""
         return self._evaluated(state).table
 
     def _evaluated(self, state) -> BlockResults:
         return state.results(self._block, self._block.results_kernel, len(SEAL_RESULTS))
 
     def content(self, state) -> float:
+        """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
         return float(self._evaluated(state).sums[_CONTENT].sum())
 
     def energies(self, t: float, state) -> Energies:

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.flow_interfaces import RockInMud
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.rigid_bodies import local_vertices
 from drillpetsc.physics.tools.reamer import Reamer
 
 
-class ReamedRings(RockInMud):
+class ReamedRings(Component):
     """Volume that the annulus gains, and rock that becomes mud, as reamers advance (manual: eq-reamer-mud).
 
     The hole above the nodes below a reamer grows by its ring (``physics.fluid.moving_hole``).  If the cuttings are removed,

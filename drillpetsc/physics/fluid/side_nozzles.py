@@ -12,10 +12,9 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table, columns
-from drillpetsc.physics.flow_interfaces import SideOutlets
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow
@@ -38,7 +37,7 @@ class SideLink:
     items: tuple[tuple[int, float], ...]
 
 
-class SideNozzles(SideOutlets):
+class SideNozzles(Component):
     """One link a node with nozzles: unknown flow rate out of the string at zero pressure [m3/s].
 
     links: from the top down; discharge_coefficient: [-] (manual: eq-mud-side-nozzle).
@@ -131,20 +130,24 @@ class SideNozzles(SideOutlets):
         return () if self.annulus is not None else self.ambient.breaks()
 
     def shares_of_pump(self) -> FloatArray:
+        """(links,) shares of the pump's flow by areas alone [-], with which the steady flow starts."""
         areas = np.array([link.area * self.coefficient for link in self.links])
         return areas / (areas.sum() + self.lower_end[0] * self.lower_end[1])
 
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
+        """(k, 4) of the local links: the columns of ``physics.fluid.side_nozzles.RESULTS``."""
         return self._evaluated(state).table
 
     def _evaluated(self, state) -> BlockResults:
         return state.results(self._block, self._block.results_kernel, RESULTS.width)
 
     def outflow(self, state) -> float:
+        """Flow rate out of the string through the local links [m3/s]."""
         return float(self._evaluated(state).sums.item(_FLOW))
 
     def local_links(self) -> tuple[int, ...]:
+        """Numbers of the links at nodes of this rank, in the order of ``element_results``."""
         return self._chosen
 
     def energies(self, t: float, state) -> Energies:

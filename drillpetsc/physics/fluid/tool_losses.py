@@ -12,10 +12,9 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import ElementBlock, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns
-from drillpetsc.physics.flow_interfaces import MeasuredLosses
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 
 RESULTS = columns("tool_loss_results")
@@ -36,7 +35,7 @@ class LossTable:
     shares: FloatArray
 
 
-class ToolLosses(MeasuredLosses):
+class ToolLosses(Component):
     """Losses of all tools with a table.
 
     tools: from the top down; fluid: constants.
@@ -81,6 +80,7 @@ class ToolLosses(MeasuredLosses):
         return state.results(self._block, "tool_loss_results", RESULTS.width)
 
     def losses(self, state) -> FloatArray:
+        """(nc,) losses in the local elements of the bore [Pa]."""
         out = np.zeros(len(self._cells))
         np.add.at(out, self._block.points, self._evaluated(state).table[:, RESULTS["loss"]])
         return out

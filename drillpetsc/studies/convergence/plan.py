@@ -16,6 +16,7 @@ from drillpetsc.analysis.motion.integrator_choice import is_alpha
 from drillpetsc.case import Case, case_from_data, data_of_case, override
 from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.errors import CaseError
+from drillpetsc.units import is_number
 
 Options = dict[str, str]
 
@@ -382,20 +383,12 @@ def options_of(words: Sequence[str]) -> Options:
     found: Options = {}
     name = ""
     for word in words:
-        if word.startswith("-") and not _is_number(word):
+        if word.startswith("-") and not is_number(word):
             name = word[1:]
             found[name] = ""
         elif name:
             found[name] = word
     return found
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
 
 
 def finest_tolerance(points: Sequence[Point], base: Base) -> float:

@@ -27,6 +27,7 @@ from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.units import is_number
 
 
 class Action(Enum):
@@ -259,15 +260,7 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
 
 def _has_units(members: Sequence[Member], key: str) -> bool:
     """Whether any value of ``key`` is a number written with a unit (`20 l/s`)."""
-
-    def is_plain_number(word: str) -> bool:
-        try:
-            float(word)
-        except ValueError:
-            return False
-        return True
-
-    return any(key in m.numbers and not is_plain_number(m.values[key]) for m in members)
+    return any(key in m.numbers and not is_number(m.values[key]) for m in members)
 
 
 def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = None) -> list[dict[str, Any]]:

@@ -236,14 +236,12 @@ def running_speed(case: Case, operation: str, axial_velocity: float) -> float:
 
 def groups_of(case: Case) -> np.ndarray:
     """(m,) name of the group of each section of the hole: cased, open_hole, or its ff_group."""
-    assert case.well is not None
-    return np.array([section.group for section in case.well.sections])
+    return np.array([section.group for section in case.given_well.sections])
 
 
 def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     """Friction pairs in the order of the case.  Raises CaseError for a group that the well does not have."""
-    assert case.well is not None
-    own = np.array([s.friction for s in case.well.sections], dtype=float)
+    own = np.array([s.friction for s in case.given_well.sections], dtype=float)
     group, factors = groups_of(case), plan.friction_factor
     given = {} if factors is None else factors.by_group
     further = [str(name) for name in dict.fromkeys(group) if name not in KINDS]
@@ -288,8 +286,7 @@ def _length(case: Case, depth: float) -> str:
 
 def shoes_of(case: Case) -> list[float]:
     """Measured depths of the casing shoes [m], rising."""
-    assert case.well is not None
-    sections = case.well.sections
+    sections = case.given_well.sections
     ends = [
         s.to
         for s, below in zip(sections, (*sections[1:], None), strict=True)
@@ -300,8 +297,7 @@ def shoes_of(case: Case) -> list[float]:
 
 def strings_of(case: Case, plan: Roadmap, notes: list[str]) -> list[StringRows]:
     """The string at each bit depth, depths rising.  Depths in a list must be possible; of others some may be left out."""
-    assert case.well is not None
-    end, shoes = float(case.well.survey.md[-1]), shoes_of(case)
+    end, shoes = float(case.given_well.survey.md[-1]), shoes_of(case)
     given = plan.bit_depth
     if isinstance(given, tuple):
         for i, depth in enumerate(given):

@@ -93,10 +93,9 @@ def stiff_case(case: Case, well: Well, job: Job) -> Case:
         else:
             weight, length = next(edges)
         hung.append(_weighing(item, float(weight) / g, float(length), job.pair.item_factor))
-    assert case.well is not None
     sections = tuple(
         s.model_copy(update={"friction": float(mu)})
-        for s, mu in zip(case.well.sections, job.pair.friction, strict=True)
+        for s, mu in zip(case.given_well.sections, job.pair.friction, strict=True)
     )
     tangent = np.asarray(well.at(np.array([rows.depth]))[1])[0]
     thrust = job.flow.thrust if isinstance(job.flow, Circulation) else 0.0
@@ -106,7 +105,7 @@ def stiff_case(case: Case, well: Well, job: Job) -> Case:
     return case.model_copy(
         update={
             "string": tuple(hung),
-            "well": case.well.model_copy(update={"sections": sections}),
+            "well": case.given_well.model_copy(update={"sections": sections}),
             "top": TopDrive(kind="top_drive"),
             "bottom": pushed if job.load.wob + thrust else free,
             "initial": case.initial.model_copy(update={"wob": None, "from_": "statics"}),
