@@ -308,8 +308,8 @@ def soft(solved: Solved, friction: float) -> list[str]:
     return []
 
 
-def judged(seed: int, number: int, folder: Path, turned: bool = True) -> Outcome:
-    """Solve and check one case.  turned: also in a hole that is turned about the vertical."""
+def judged(seed: int, number: int, folder: Path, turned: bool = True, halved: bool = True) -> Outcome:
+    """Solve and check one case.  turned: also in a hole that is turned about the vertical; halved: with half the element length."""
     data, motion, title = random_case(seed, number)
     friction = data["well"]["sections"][1]["friction"]
     try:
@@ -324,7 +324,7 @@ def judged(seed: int, number: int, folder: Path, turned: bool = True) -> Outcome
         problems += soft(solved, friction) if not data.get("fluid", {}).get("flow_rate") else []
         doubts = inside_hole(data, solved)
         doubts += symmetry(data, motion, solved, folder / "b") if turned else []
-        doubts += finer(data, motion, solved, folder / "c")
+        doubts += finer(data, motion, solved, folder / "c") if halved else []
         if doubts and not problems and warned(solved, doubts):
             return Outcome(number, "warned", title, doubts)
         problems += doubts

@@ -38,3 +38,10 @@ def warming(state, memory, torque=600.0, time=0.01):
 def shear_stress(state, consistency=0.5, index=0.6):
     """A power law (manual: eq-mud-laminar)."""
     return consistency * state.shear_rate**index
+
+
+def speed_control(t, measured, memory):
+    """Torque of a PI controller of the top drive that is called every 4 ms."""
+    error = measured["set_point"] - measured["top_speed"]
+    memory["integral"] = memory.get("integral", 0.0) + 4e-3 * error
+    return 8e3 * error + 12e3 * memory["integral"]

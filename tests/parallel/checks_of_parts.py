@@ -14,12 +14,10 @@ from drillpetsc.analysis.statics.placement import find_reactions, move_rigidly, 
 from drillpetsc.case import Case
 from drillpetsc.kernels import pointer
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import all_true, largest, total
 from tests.helpers.component_models import KINDS, SHIFT, build
 from tests.helpers.motion import beam, fixed, integrate, straight
 from tests.verification.test_quaternion_contact import lying
-from tests.verification.test_quaternion_models import model as with_everything
 from tests.verification.test_quaternion_scenes import JOINT, MUD, scene
 
 
@@ -139,17 +137,15 @@ def quaternion_string(folder, patch) -> dict[str, list[float]]:
     """Motion, multipliers, reactions and energies of a quaternion string after fixed steps from its equilibrium, on rank 0."""
     found = {}
 
-    def moved(case: Case, end: float, tolerance: float) -> tuple[DrillingModel, Recorder, np.ndarray]:
+    def moved(case: Case, end: float, tolerance: float) -> tuple[DrillingModel, np.ndarray]:
         model = build_model(case)
         find_equilibrium(model)
         release(model)
         move_rigidly(model)
-        recorder = Recorder(model)
-        recorder.start(0.0)
         integrate(model.system, end, fixed(2e-3, q_snes_stol=tolerance), breaks=model.breaks)
         m = model.system
         nodes = m.gather(np.hstack([model.beam.columns(m.assembly), m.field("string.multiplier")]))
-        return model, recorder, np.zeros((20, 9)) if nodes is None else nodes
+        return model, np.zeros((20, 9)) if nodes is None else nodes
 
     def reactions(model: DrillingModel) -> list[float]:
         return [model.system.reaction(f"top.{name}") for name in ("axial_reaction", "torque_reaction")]
@@ -157,31 +153,15 @@ def quaternion_string(folder, patch) -> dict[str, list[float]]:
     for constraint in ("index3", "stabilized"):
         top = {"kind": "top_drive", "rotation": {"ramp": 0.02, "value": 6.0}, "lowering": 0.1}
         beam = {"formulation": "quaternion", "constraint": constraint}
-        model, _, nodes = moved(lying("quaternion", top=top, beam=beam), 0.04, 1e-10)
+        model, nodes = moved(lying("quaternion", top=top, beam=beam), 0.04, 1e-10)
         energies = model.system.energies(0.0)
         found[constraint] = [*nodes[-1], *reactions(model), energies.kinetic, energies.strain]
     for name, more in (
         ("items", {"joints": [JOINT]}),
         ("hermite", {"fluid": MUD | {"formulation": "hermite"}}),
     ):
-        model, _, nodes = moved(scene("quaternion", **more), 0.02, 1e-11)
+        model, nodes = moved(scene("quaternion", **more), 0.02, 1e-11)
         model.system.assembly.a[:] = 0.0
         find_reactions(model)
         found[name] = [*nodes[18], *nodes[-1], *reactions(model)]
-    # with mud, unbalance and a bit that drills
-    model, recorder, _ = moved(with_everything("quaternion"), 0.04, 1e-11)
-    recorder.sample(0.04)
-    row = recorder.history_row(0.04, 0.0, 0.0)
-    place = [name for name, _ in recorder.columns]
-    names = (
-        "hook_load",
-        "surface_torque",
-        "wob",
-        "bit_torque",
-        "pump_pressure",
-        "bit_pressure",
-        "hole_depth",
-        "bit_speed",
-    )
-    found["mud"] = [row[place.index(name)] for name in names]
     return {name: [float(v) for v in values] for name, values in found.items()}

@@ -273,25 +273,7 @@ READINGS = {
     ),
 }  # fmt: skip
 
-# ---------------------------------------------------------------------- controllers, loops, surge, linear models
-#: in a module `law_of_ranks` beside the cases
-LAW = """
-def pi(t, measured, memory):
-    error = measured["set_point"] - measured["top_speed"]
-    memory["integral"] = memory.get("integral", 0.0) + 0.01 * error
-    return 8e3 * error + 12e3 * memory["integral"]
-"""
-PYTHON = """
-string: [{kind: pipe, length: 60 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}]
-top:
-  kind: top_drive
-  rotation: {ramp: 0.2 s, value: 60 rpm}
-  motor: {inertia: 2900 kg m2}
-  control: {kind: python, function: law_of_ranks.pi, sample: 10 ms}
-initial: {from: rest}
-time: {end: 0.3 s}
-output: {history_every: 0.05 s}
-"""
+# ---------------------------------------------------------------------- loops, surge, linear models
 DRILLING = """
 well:
   survey: {md: [0 m, 60 m], inclination: [2 deg, 2 deg], azimuth: [0 deg, 0 deg]}
@@ -334,10 +316,6 @@ material: {damping: {stiffness: 1.0e-3 s}}
 top: {kind: top_drive, rotation: 60 rpm, motor: {inertia: 500 kg m2}, control: {kind: pi, p: 2000 N m s/rad, i: 3000 N m/rad}}
 """
 CONTROLS = {
-    "controller in Python": Row("run|--progress|silent", PYTHON, table("history.csv", share=1e-6), (2,)),
-    "controller with alpha": Row(
-        "run|--progress|silent", PYTHON + "petsc: {ts_type: alpha2}\n", table("history.csv", share=1e-6), (3,)
-    ),
     "loop of an autodriller": Row(
         "linearise|--inputs|top.autodriller.wob|--outputs|hook_load", DRILLING + LOOP, linear(1e-6), (3,)
     ),

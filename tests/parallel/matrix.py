@@ -23,6 +23,7 @@ from tests.parallel.test_restart import CASE as WHIRL
 from tests.verification import test_ends as ends
 from tests.verification import test_sampled_law as sampled
 from tests.verification.test_agitator import with_mud
+from tests.verification.test_quaternion_scenes import MUD, ROCK, keys_of_scene
 from tests.verification.test_reamer import reaming
 from tests.verification.test_reamer_in_mud import in_mud
 
@@ -425,10 +426,10 @@ def slider_loaded(folders: list[Path], history: Columns) -> None:
     assert np.abs(history["joint_15.4_force [N]"]).min() > 100.0
 
 
-def end(**case: Any) -> Row:
-    """Every column of the history of 0.06 s to rounding."""
-    case |= {"time": {"end": 0.06}, "output": {"history_every": 0.01}}
-    return Row(case, steps("1e-3"), least=1e-2)
+def end(ranks: bool = True, share: float = 1e-7, restarts: slice | None = None, **case: Any) -> Row:
+    """Every column of the history of 0.06 s to rounding; checkpoints at samples and between them."""
+    case |= {"time": {"end": 0.06}, "output": {"history_every": 0.01, "checkpoint_every": 6e-3}}
+    return Row(case, steps("1e-3") if ranks else None, share, 1e-2, restarts=restarts)
 
 
 def turning(element: str) -> Row:
@@ -456,16 +457,20 @@ def across(hinged: bool) -> Row:
     )
 
 
-def controlled(law: dict, **motor: float) -> Row:
+def controlled(law: dict, motor: dict | None = None, **row: Any) -> Row:
     """The pipe of the checks of sampled laws, in six elements so that every rank has some."""
     return end(
         string=[{**sampled.PIPE, "element_length": 10.0 / 6}],
-        top=sampled.m.top(law | {"sample": 4e-3}, {"ramp": 0.05, "value": 10.0}, **motor),
+        top=sampled.m.top(law | {"sample": 4e-3}, {"ramp": 0.05, "value": 10.0}, **(motor or {})),
         gravity=0.0,
         initial={"from": "rest"},
+        **row,
     )
 
 
+ALPHA = {"petsc": {"ts_type": "alpha2"}}
+LATE = sampled.SOFT | {"delay": 8e-3}
+OWN_CONTROL = {"kind": "python", "function": "tests.helpers.laws.speed_control"}
 #: a weight on bit with a top force that does not hold it: the string starts to move
 WEIGHT_AND_FORCE = end(
     string=[
@@ -486,9 +491,16 @@ ROWS |= {
     "top across": across(False),
     "hinged top across": across(True),
     "weight and top force": WEIGHT_AND_FORCE,
-    "sampled pi, limited": controlled(sampled.PI, max_torque=2e4, min_torque=0.0),
-    "sampled soft torque": controlled(sampled.SOFT),
-    "sampled z torque": controlled(sampled.Z_TORQUE | {"delay": 8e-3}),
+    "sampled pi, limited": controlled(sampled.PI, {"max_torque": 2e4, "min_torque": 0.0}),
+    "sampled soft torque": controlled(LATE, restarts=slice(None, -1, 2)),
+    "sampled soft torque, generalised alpha": controlled(
+        LATE, ranks=False, restarts=slice(None, -1, 2), **ALPHA
+    ),
+    "sampled z torque": controlled(sampled.Z_TORQUE | {"delay": 8e-3}, restarts=slice(1, -1, 3)),
+    "controller of the user": controlled(OWN_CONTROL, restarts=slice(None, -1, 2)),
+    "controller of the user, generalised alpha": controlled(
+        OWN_CONTROL, share=1e-6, restarts=slice(None, -1, 2), **ALPHA
+    ),
 }
 
 # ---------------------------------------------------------------------- mud
@@ -608,6 +620,12 @@ def tools(case: dict, every: float = 4e-3, **row: Any) -> Row:
 
 
 ROWS |= {
+    "quaternion string in mud with a bit that drills": Row(
+        keys_of_scene("quaternion", fluid=MUD, formation=ROCK)
+        | {"time": {"end": 0.06}, "output": {"history_every": 0.01, "checkpoint_every": 0.01}},
+        steps("2e-3"),
+        restarts=slice(None, -1, 2),
+    ),
     # contact, mud, a bend and a jump of the top's motion
     "generalised alpha": Row(WHIRL, (*steps("1e-3"), "-ts_type", "alpha2"), 2e-6, shows=before_the_impact),
     "a second with contact": Row(

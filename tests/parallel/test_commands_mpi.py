@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import pytest
@@ -11,18 +10,15 @@ import pytest
 from tests.helpers.command import drillpetsc
 from tests.helpers.mpi import have_mpi, run_mpi
 from tests.helpers.tables import each_row
-from tests.parallel.commands import DRILLING, LAW, LOOP, ROWS, out_folder
+from tests.parallel.commands import DRILLING, LOOP, ROWS, out_folder
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
 GROUPS = 2  # jobs on each number of ranks: tests that workers share
 
 
 @pytest.mark.parametrize("group", range(GROUPS))
-def test_ranks_agree(group: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ranks_agree(group: int, tmp_path: Path) -> None:
     names = list(ROWS)[group::GROUPS]
-    (tmp_path / "law_of_ranks.py").write_text(LAW)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")]))
     for name in names:
         done = drillpetsc(*ROWS[name].line(tmp_path, name, 1), cwd=tmp_path)
         assert done.returncode == 0, f"{name}: {done.stderr}"

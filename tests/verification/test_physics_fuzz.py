@@ -20,8 +20,10 @@ SEED, CASES, CHUNK = 1, 200, 10
 
 @pytest.mark.parametrize("first", range(0, CASES, CHUNK))
 def test_random_cases_are_right_or_refused_with_a_reason(first: int, tmp_path: Path) -> None:
-    # half the time goes into turned holes, and an error of frames shows in any hole that is not vertical
-    outcomes = [judged(SEED, k, tmp_path, turned=k % 3 == 0) for k in range(first, first + CHUNK)]
+    # most of the time would go into them: an error of frames shows in any hole that is not vertical, one of the mesh in most strings
+    outcomes = [
+        judged(SEED, k, tmp_path, turned=k % 3 == 0, halved=k % 3 == 1) for k in range(first, first + CHUNK)
+    ]
     wrong = [f"{o.number} ({o.title}): {o.problems}" for o in outcomes if o.kind == "wrong"]
     assert not wrong, "\n".join(wrong)
     warned = [o for o in outcomes if o.kind == "warned"]

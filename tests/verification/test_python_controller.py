@@ -120,17 +120,6 @@ def test_sessions_and_saved_states_keep_torque_and_memory():
         assert found[0][4]["calls"] == int((0.1031 + 7 * 0.0113) / SAMPLE) + 1
 
 
-def test_a_restart_is_the_run_itself(tmp_path):
-    """Stopped between two samples and continued: the speeds of the whole run, 1e-9."""
-    fixed = {"petsc.ts_adapt_type": "none", "petsc.ts_dt": 1e-3}
-    whole = case("pi", end=0.2).replace(fixed)
-    run(whole, tmp_path / "whole", progress="silent")
-    run(whole.replace({"time.end": 0.1}), tmp_path / "part", progress="silent")
-    run(whole, tmp_path / "part", restart=True, accept_changes=True, progress="silent")
-    a, b = (column(tmp_path / name, "top_speed") for name in ("whole", "part"))
-    assert np.abs(a - b).max() < 1e-9 * np.abs(a).max()
-
-
 def test_wrong_functions_are_answered(tmp_path):
     with pytest.raises(CaseError, match="no_such"):
         drillpetsc.Session(case("no_such"))

@@ -1,5 +1,5 @@
-"""Scenes of the reference paper and of its users with the quaternion element, against the ANCF element
-(manual: verif-quaternion-scenes).
+"""Whole models with the quaternion element, among them scenes of the reference paper, against the ANCF element
+(manual: verif-quaternion-models, verif-quaternion-scenes).
 
 Both are of order 4 in space, but the quaternion element has one strain on both sides of the change of section at 30 m, which is of
 order 2 on coarse meshes; the difference of the static weight on bit tells.
@@ -14,8 +14,11 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from drillpetsc.case import case_from_data, read_case_file
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
+CASES = Path(__file__).parents[2] / "cases" / "verification"
 MUD = {
     "density": 1200,
     "rheology": {"model": "power_law", "consistency": 0.5, "index": 0.7},
@@ -26,7 +29,7 @@ ROCK = {"drillability": 1e-7}
 JOINT = {"kind": "universal", "at": 40.5}
 
 
-def scene(element: str, length: float = 2.5, **more: Any) -> Case:
+def keys_of_scene(element: str, length: float = 2.5, **more: Any) -> dict[str, Any]:
     """60 m in a bent hole: pipe, collar with unbalance and bend, stabilizer, collar, stabilizer, bit."""
     well = {
         "survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
@@ -42,7 +45,7 @@ def scene(element: str, length: float = 2.5, **more: Any) -> Case:
         {"kind": "stabilizer", "length": 1.0, "od": 0.21, "id": 0.0714, "mass": 150},
         {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60, "nozzle_area": 4e-4},
     ]
-    whole = {
+    return {
         "well": well,
         "string": string,
         "top": {"kind": "top_drive", "rotation": 10.0},
@@ -51,8 +54,11 @@ def scene(element: str, length: float = 2.5, **more: Any) -> Case:
         "time": {"end": 0.2},
         "beam": {"formulation": element},
         "output": {"history_every": 0.01, "probes": [30.0, 55.0]},
-    }
-    return Case(**(whole | more))
+    } | more
+
+
+def scene(element: str, **more: Any) -> Case:
+    return Case(**keys_of_scene(element, **more))
 
 
 def histories(folder: Path, **more: Any) -> list[dict[str, np.ndarray]]:
@@ -106,11 +112,13 @@ def test_universal_joint_below_a_stabilizer(tmp_path):
     assert np.abs(tables[1]["joint_40.5_travel [m]"]).max() < 1e-12
 
 
-@pytest.mark.parametrize("formulation", ["mixed", "hermite"])
-def test_mud_past_rigid_items(tmp_path, formulation):
-    """Both forms of the mud: pressures to 1e-4, forces to 1 %."""
-    tables = histories(tmp_path, fluid=MUD | {"formulation": formulation})
-    assert_same(tables, SCALES, 0.01)
+@pytest.mark.parametrize(("formulation", "rock"), [("mixed", {"formation": ROCK}), ("hermite", {})])
+def test_mud_past_rigid_items(tmp_path, formulation, rock):
+    """All the physics at once for 0.3 s, both forms of the mud: pressures to 3e-4, forces to 1 %."""
+    tables = histories(tmp_path, fluid=MUD | {"formulation": formulation}, time={"end": 0.3}, **rock)
+    more = {"bit_torque [N m]": 1e3, "x_30 [m]": 4e-3, "x_55 [m]": 4e-3}
+    more |= {"hole_depth [m]": 1e-3} if rock else {}
+    assert_same(tables, SCALES | more, 0.01)
     assert_same(tables, {"pump_pressure [Pa]": 2e6, "bit_pressure [Pa]": 2e6, "bit_flow [m3/s]": 0.02}, 3e-4)
 
 
@@ -162,3 +170,75 @@ def test_reactions_of_the_first_row(tmp_path, element):
     table = read_table(run(case, tmp_path / element, progress="silent").folder / "history.csv")
     weight = 7850 * np.pi / 4 * (0.127**2 - 0.1086**2) * 9.80665 * 2.5
     assert table["hook_load [N]"][0] == pytest.approx(0.5 * weight * np.cos(0.2), rel=0.01)
+
+
+def both(name: str, folder: Path, change) -> list[dict[str, np.ndarray]]:
+    """History and probes of a case of the report, with changes, with the ANCF and with the quaternion
+    element."""
+    out = []
+    for element in ("ancf", "quaternion"):
+        data, _ = read_case_file(CASES / name)
+        change(data)
+        data["beam"] = {"formulation": element}
+        result = run(case_from_data(data, CASES / name, {}), folder / element, progress="silent")
+        tables = [
+            read_table(result.folder / file)
+            for file in ("history.csv", "probes.csv")
+            if (result.folder / file).exists()
+        ]
+        out.append({k: v for table in tables for k, v in table.items()} | {"summary": result.summary})  # type: ignore[dict-item]
+    return out
+
+
+def rms(one: dict[str, Any], other: dict[str, Any], column: str) -> float:
+    return float(np.sqrt(np.mean((one[column] - other[column]) ** 2)) / np.ptp(one[column]))
+
+
+def test_flutter(tmp_path):
+    """A pipe that conveys fluid above the critical speed: 4 s of its growing flutter, on elements of 1.25 m,
+    within 1 % of its range."""
+    reference, other = both("study-flutter.yaml", tmp_path, lambda data: data["time"].update(end="4 s"))
+    assert np.ptp(reference["x_10 [m]"]) > 0.02
+    assert rms(reference, other, "x_10 [m]") < 0.01
+    assert abs(other["summary"]["mass"]["error"]) < 1e-5 * other["summary"]["mass"]["pumped"]
+
+
+def test_stick_slip(tmp_path):
+    """A bit that sticks, breaks loose and drills: the time of breaking loose and the following motion, 6 s.
+
+    Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 elements here) must be
+    well below pi.
+    """
+    reference, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
+    for column, off in (("bit_speed [rad/s]", 0.02), ("surface_torque [N m]", 0.01), ("wob [N]", 0.01)):
+        assert rms(reference, other, column) < off, column
+    assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(
+        reference["summary"]["new_hole"]["drilled [m]"], rel=0.01
+    )
+
+
+def test_lowered_in_mud_it_starts_in_equilibrium(tmp_path):
+    """Lowered at 1 m/s through circulating mud: the initial hook load is that of the ANCF element, with the
+    drag of the mud."""
+    pipe = {"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 20}
+    well = simple_well(700, 0.2159, kind="casing", friction=0.2)
+    mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.1}, "flow_rate": 0.02}
+    loads = []
+    for element in ("ancf", "quaternion"):
+        for speed in (0.0, 1.0):
+            case = Case(
+                well=well,
+                string=[pipe],
+                top={"kind": "top_drive", "lowering": speed},
+                bottom="free",
+                fluid=mud,
+                beam={"formulation": element},
+                time={"end": 0.02},
+                output={"history_every": 0.01},
+            )
+            folder = run(case, tmp_path / f"{element}{speed}", progress="silent").folder
+            loads.append(read_table(folder / "history.csv")["hook_load [N]"])
+    still, lowered, *other = loads
+    assert still[0] - lowered[0] > 1000.0  # the drag has an effect
+    assert [q[0] for q in other] == pytest.approx([still[0], lowered[0]], rel=1e-5)
+    assert other[1] == pytest.approx(lowered, rel=1e-4)

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drillpetsc import Case, load_case, modes, run, top_drive
-from drillpetsc.analysis.motion import transient
+from drillpetsc import Case, modes, run, top_drive
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
-from tests.helpers.restarts import files, run_with_copies
 
 PIPE = {"kind": "pipe", "length": 10.0, "od": 0.127, "id": 0.1086, "element_length": 5.0}
 PI = {"kind": "pi", "p": 8e3, "i": 12e3}
@@ -96,23 +94,6 @@ def test_generalised_alpha_keeps_order_two_and_energy(tmp_path):
     assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(wanted, abs=0.15)
 
 
-@pytest.mark.parametrize("kind", ["bdf", "alpha2"])
-def test_restarts_are_the_run(kind, tmp_path, monkeypatch):
-    """Checkpoints at samples and between them: the same files to the byte."""
-    made = case(
-        SOFT | {"sample": 0.01, "delay": 0.02}, petsc={"ts_type": kind}, time={"end": 0.2},
-        output={"history_every": 0.01, "checkpoint_every": 0.03, "field_every": 0.1},
-    )  # fmt: skip
-    path = tmp_path / "case.yaml"
-    made.dump(path)
-    copies = run_with_copies(path, tmp_path / "run", monkeypatch)
-    whole = files(tmp_path / "run")
-    assert len(copies) >= 4
-    for copy in copies:
-        transient.run(load_case(path), copy, restart=True, progress="silent")
-        assert files(copy) == whole
-
-
 def test_a_change_of_the_law_without_a_jump(tmp_path):
     """From stiff to soft at 0.3 s: the torque changes by less than in any sample before."""
     laws = [{"kind": "stiff", "sample": 5e-3}, SOFT | {"from": 0.3, "sample": 5e-3}]
@@ -121,15 +102,6 @@ def test_a_change_of_the_law_without_a_jump(tmp_path):
     at = int(np.argmax(table["control_mode [-]"] == 3))
     assert table["time [s]"][at] == pytest.approx(0.3, abs=0.006)
     assert change[at - 2 : at + 2].max() < 0.1 * change.max()
-
-
-def test_a_restart_goes_on_with_its_memory(tmp_path):
-    control = Z_TORQUE | {"sample": 0.01, "delay": 0.02}
-    run(case(control, time={"end": 0.25}), tmp_path / "half", progress="silent")
-    one = run(case(control), tmp_path / "half", restart=True, progress="silent")
-    two = run(case(control), tmp_path / "whole", progress="silent")
-    a, b = (read_table(r.folder / "history.csv")["top_speed [rad/s]"] for r in (one, two))
-    assert a[-1] == pytest.approx(b[-1], rel=1e-9)
 
 
 def test_modes_have_its_mean_delay(tmp_path):
