@@ -262,7 +262,7 @@ def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
     push, force = display(largest, "force", _units(model))
     hint = (
         f"by the march the string coils from MD {depth[0] / scale:.0f} to {depth[-1] / scale:.0f} {unit} under a push of "
-        f"{push:.3g} {force}; elements of {pitch / 4 / scale:.2g} {unit} or less show it"
+        f"{push:.3g} {force}, up to {found.coiling.max():.2g} times the push at which it coils; elements of {pitch / 4 / scale:.2g} {unit} or less show it"
     )
     if moves:
         hint += "; with friction a coiled string has many states: `run` finds the one of a given motion"

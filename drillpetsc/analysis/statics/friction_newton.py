@@ -87,7 +87,7 @@ def from_lateral_start(problem: StaticProblem) -> float | None:
     model, solver, report, state = problem.model, problem.solver, problem.state.equilibrium, problem.state
     start = None
     if problem.straight is not None:
-        start = lateral_start(model, problem.straight, state.motion, problem.found)
+        start = lateral_start(model, problem.straight, state.motion, problem.found, solver.limit)
     if start is None:
         return None
     restore = problem.save()
@@ -157,11 +157,11 @@ def _by_relaxation(problem: StaticProblem) -> float:
                 _take_side_loads_away(problem, reached)
             return reached
         # an unstable state is better than none: the first, without side loads, is symmetric and can be repeated
-        saddle = saddle or (Snapshot(model), reached)
+        saddle = saddle or (problem.save(), reached)
     model.system.assembly.dead_load, report.imperfection = None, 0.0
     if saddle is None:
         raise failure
-    saddle[0].restore()  # it says so
+    saddle[0]()  # it says so
     return saddle[1]
 
 

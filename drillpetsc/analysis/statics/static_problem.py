@@ -93,11 +93,13 @@ class StaticProblem:
         asm, solver, report = self.model.system.assembly, self.solver, self.state.equilibrium
         before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
         rates, imperfection = solver.rates, report.imperfection
+        last = report.residual, report.increment, report.converged
 
         def restore() -> None:
             before.restore()
             asm.dead_load, asm.y[:] = load, y
             solver.rates, report.imperfection = rates, imperfection
+            report.residual, report.increment, report.converged = last
             self.set_friction_aside()
 
         return restore

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.solvers.static.search_limit import SearchLimit
 
 WIDTH = 7  # diagonals above and below the main one: two nodes of four unknowns
 SOFT_SHARE = 0.05  # penetration of the softest wall under the contact force of a helix, over the clearance
@@ -33,6 +34,7 @@ WAY = 1e-4  # share of a step over which its direction is differenced
 MAX_STEPS = 1000
 MAX_ITERATIONS = 2000, 6000  # of all Newton steps of a descent: on any mesh, on a small one
 MAX_WORK = 1e7  # nodes times Newton steps of a descent, between these numbers of steps
+SHARE_OF_SEARCH = 0.25  # of a Newton step, over a factorisation of the whole string
 MAX_UNDISTURBED = 300  # the same of a string without side loads, which may be at a saddle
 SHIFT_SCALE = 1.1  # accuracy of the side spring with which the energy is convex
 SHIFT_MARGIN = 1.01  # of the side spring over the one with which the energy is convex
@@ -118,6 +120,7 @@ class LateralBeam:
         self.turning = clearance > LEAST_CLEARANCE
         self.factor = 1.0  # of the wall's stiffness
         self.iterations = 0
+        self.limit: SearchLimit | None = None  # of the work of a search, None without one
         loads = np.hypot(load[:, 0], load[:, 1]) / np.maximum(h, 1e-9)
         helix = float(np.max(self.clearance[:-1] * pull, initial=0.0))
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
@@ -311,6 +314,8 @@ class LateralBeam:
         g, band = self._shifted_rows(start, U, shift)
         for _ in range(MAX_INNER):
             self.iterations += 1
+            if self.limit is not None:
+                self.limit.count(SHARE_OF_SEARCH)
             if plain:
                 try:
                     p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False)

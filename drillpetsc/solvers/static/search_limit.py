@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from drillpetsc.errors import SolveError
 
-#: factorisations times nodes of the string: some half a minute on one core; ordinary wells take a hundredth of it
-MOST_WORK = 4_000_000
+#: factorisations times nodes of the string: some ten seconds on one core; ordinary wells take a fiftieth of it, the hardest tests a half
+MOST_WORK = 800_000
+FIXED_NODES = 50  # the part of a factorisation's time that does not depend on the nodes, as nodes
 
 
 class SearchEnded(SolveError):
@@ -22,11 +23,11 @@ class SearchLimit:
     """
 
     def __init__(self, nodes: int) -> None:
-        self.most, self.used = max(1, MOST_WORK // nodes), 0
+        self.most, self.used = max(1, MOST_WORK // (nodes + FIXED_NODES)), 0.0
 
-    def count(self) -> None:
-        """Count one factorisation; raises SearchEnded beyond the limit."""
-        self.used += 1
+    def count(self, share: float = 1.0) -> None:
+        """Count one factorisation, or a ``share`` of one; raises SearchEnded beyond the limit."""
+        self.used += share
         if self.used > self.most:
             raise SearchEnded(
                 f"no static state was found in {self.most} factorisations; the string may be about to lock up, or its buckles may have "

@@ -35,6 +35,7 @@ from drillpetsc.solvers.static.lateral_beam import (
     lateral_state,
 )
 from drillpetsc.solvers.static.lateral_loads import lateral_shares
+from drillpetsc.solvers.static.search_limit import SearchLimit
 
 SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
@@ -61,12 +62,17 @@ class LateralStart:
 
 
 def lateral_start(
-    model: DrillingModel, found: March, motion: tuple[float, float], coiled: March | None = None
+    model: DrillingModel,
+    found: March,
+    motion: tuple[float, float],
+    coiled: March | None = None,
+    limit: SearchLimit | None = None,
 ) -> LateralStart | None:
     """Find the start of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coiled: the march of a string that may coil, whose friction is the first estimate if the string slides.
+    limit: of the work of the search, None without one.
     Returns None if nothing pushes the string, or no stable state is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
@@ -87,6 +93,7 @@ def lateral_start(
         # on short elements contacts that open and close hold up a buckle that moves along the hole: wells of 12 km need half as long
         parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
         beam = _beam(model, found, parts, frame)
+        beam.limit = limit
         state = _solved(model, found, beam, parts, frame, loads, last)
         if state is None:
             return None

@@ -61,7 +61,7 @@ class March:
 
     axial_force: (n+1,) EA times the axial strain above node 0, of each element, and below the last node [N].
     effective_tension: (n-1,) of the elements, which buckles them; the same without mud [N].
-    contact_force: on the wall [N]; helical: whether the string coils there.
+    contact_force: on the wall [N]; helical: whether the string coils there; coiling: push over that at which it coils [-].
     torque: (n+1,) as the axial force [N m].
     position, tangent: (n, 3) of the start [m, -]; ratio: of the stretch below a junction to that above [-];
     twist: spin angle [rad].
@@ -92,6 +92,7 @@ class March:
     measured_depth: FloatArray = field(default_factory=lambda: np.zeros(0))
     direction: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
     effective_tension: FloatArray = field(default_factory=lambda: np.zeros(0))
+    coiling: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -155,38 +156,40 @@ class _Column:
 
     def run(
         self, bottom: float, coils_above: float = HELIX_FACTOR, standing: dict[int, float] | None = None
-    ) -> tuple[FloatArray, FloatArray, np.ndarray, int | None]:
-        """Return tension (n+1,), contact force (n,), helical (n,) and the node of lock-up, from the force below.
+    ) -> tuple[FloatArray, FloatArray, FloatArray, int | None]:
+        """Return tension (n+1,), contact force (n,), push over that at which the string coils (n,), and the node of lock-up, from the
+        force below.
 
         coils_above: axial force above which a string on the wall coils, over sqrt(EI w/r).
         standing: weights [N] that stand on the hole above its bottom, by their nodes.
         """
         standing = standing or {}
         n = len(self.rows)
-        tension, contact, helical, locked = np.empty(n + 1), np.empty(n), np.zeros(n, dtype=bool), None
+        tension, contact, coiling, locked = np.empty(n + 1), np.empty(n), np.zeros(n), None
         tension[n] = below = bottom
         for i in range(n - 1, -1, -1):
             load, drag, kk, kw, ww, length, bending, clearance, vertical, crushing, wet = self.rows[i]
             load -= standing.get(i, 0.0)
-            above, total, coils = below + load, 0.0, False
+            above, total, times = below + load, 0.0, 0.0
             for _ in range(
                 3
             ):  # friction changes the mean tension by which the wall pushes; each round leaves little of that
                 mean = 0.5 * (below + above)
                 side = max(kk * mean * mean + 2 * kw * mean + ww, 0.0) ** 0.5
-                push, coil = -mean - wet, 0.0
+                push, coil, times = -mean - wet, 0.0, 0.0
                 if push > 0 and length > 0 and clearance > 0:
                     critical = coils_above * (bending * side / length / clearance) ** 0.5
                     # in a vertical hole nothing lies on the wall, and weight alone keeps the string straight
-                    if push > max(critical, vertical):
+                    times = push / max(critical, vertical, 1e-9)
+                    if times > 1:
                         coil = clearance * push * push / (4 * bending) * length
-                total, coils = max(side, coil), coil > 0
+                total = max(side, coil)
                 above = below + load - drag * total
             if above + wet < -crushing:  # the march goes on with this push: the caller names the place
                 locked, above = (i if locked is None else locked), -crushing - wet
-            helical[i], contact[i], tension[i] = coils, total, above
+            coiling[i], contact[i], tension[i] = times, total, above
             below = above
-        return tension, contact, helical, locked
+        return tension, contact, coiling, locked
 
 
 class _Marcher:
@@ -248,9 +251,10 @@ class _Marcher:
         model, motion, mesh, depth = self.model, self.motion, self.model.mesh, self.depth
         bending, clearance, wet, half = self.bending, self.clearance, self.wet, self.half
         reamers = self._standing_reamers(bottom, wob) if top is None else {}
-        tension, contact, helical, locked = self.column.run(
+        tension, contact, coiling, locked = self.column.run(
             bottom, standing={node: weight for node, (weight, _) in reamers.items()}
         )
+        helical = coiling > 1
         rock = 0.0
         if model.bit is not None:
             turning = motion[1] + model.motor_speed
@@ -291,6 +295,7 @@ class _Marcher:
             axial_force=tension,
             contact_force=contact,
             helical=helical,
+            coiling=coiling,
             torque=torque,
             position=position,
             tangent=(1 + strain_above)[:, None] * tangent,
