@@ -54,3 +54,15 @@ def test_strings_that_had_negative_pivots_are_stable_or_held_by_friction(
     else:  # a stable state from the lateral start
         assert solved.summary["stable"] and solved.summary["negative_pivots"] == 0
     assert balance(data, motion, solved) == []
+
+
+@pytest.mark.parametrize("motion", ["lower", "rotate"])
+def test_a_frictionless_wall_holds_no_buckle(motion: str, tmp_path: Path) -> None:
+    """Motion past a wall without friction changes nothing: the state is that at rest, and stable.
+
+    It was followed along a history, and returned as held by the friction that is not there.
+    """
+    data, _, _ = random_case(3302, 90)
+    rest, moved = (solve(data, word, tmp_path).summary for word in (None, motion))
+    assert rest["stable"] and moved["stable"] and "path_states" not in moved
+    assert moved["hook_load"] == pytest.approx(rest["hook_load"], rel=1e-6)

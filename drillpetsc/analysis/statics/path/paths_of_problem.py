@@ -46,9 +46,10 @@ def slides_on(problem: StaticProblem) -> bool:
         not (problem.paths and any(state.motion))
         or problem.motor_speed
         or largest_push <= 0
-        or model.parts(Reamer)
+        or model.parts(Reamer)  # the shares of bit and reamer are not those of a path
+        or not _wall_rubs(model)
     ):
-        return False  # the shares of bit and reamer are not those of a path
+        return False
     if state.motion[1] and problem.fraction > 0:
         return False  # a turning string has no path with friction across the hole
     restore = problem.save()
@@ -72,6 +73,16 @@ def slides_on(problem: StaticProblem) -> bool:
         return True
     restore()
     return False
+
+
+def _wall_rubs(model: DrillingModel) -> bool:
+    """Whether the wall has friction anywhere: without it motion changes nothing."""
+    own = np.append(
+        model.mesh.friction, [np.nan if b.friction is None else b.friction for b in model.mesh.bodies]
+    )
+    sections = () if model.case.well is None else model.case.well.sections
+    law = model.contact.law.own if model.contact is not None else None
+    return law is not None or any(s.friction for s in sections) or bool((own[np.isfinite(own)] > 0).any())
 
 
 def _path(problem: StaticProblem, kind: PathKind) -> FrictionPath:
