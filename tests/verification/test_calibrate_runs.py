@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+import drillpetsc
 from drillpetsc.analysis.calibration.command import run_calibrate_log
 from drillpetsc.analysis.calibration.log_series import log_series
 from drillpetsc.analysis.calibration.of_runs import (
@@ -186,3 +187,25 @@ def test_files_and_lines(tmp_path):
         table["surface_torque read [N m]"], abs=10.0
     )
     assert any("calibration of the run with 240 readings" in line for line in found.lines)
+
+
+@pytest.mark.parametrize(
+    ("options", "at", "word"),
+    [
+        ({"fit": SHAFT}, "--log", "log by time"),
+        ({"log": "log.csv"}, "--fit", "numbers of the case"),
+        ({"log": "log.csv", "fit": SHAFT, "hold_out": "0.5"}, "--hold-out", "soft or stiff"),
+        ({"measured": "log.csv", "fit": SHAFT}, "--measured", "row by row"),
+        ({"log": "log.csv", "fit": "open_hole"}, "--fit", "numbers of the case"),
+        ({"log": "log.csv", "fit": "string[0].lenght"}, "--fit", "no such number"),
+        ({"log": "log.csv", "fit": "mesh.refinement"}, "--fit", "mesh"),
+        ({"log": "log.csv", "fit": SHAFT, "prior": ("fluid.density=1+-1",)}, "--prior", "is fitted"),
+    ],
+)
+def test_options_that_do_not_fit(tmp_path, monkeypatch, options, at, word):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, rows("time [s],torque [kN m]", "5"))
+    with pytest.raises(CaseError) as found:
+        drillpetsc.calibrate(pendulum("bdf"), model="dynamic", **options)
+    assert found.value.at == at and word in str(found.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["log.csv"]

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.calibration.estimator import SMALLEST_SPREAD, SOFT_SCALE, Estimator, Fit, Readings
 from drillpetsc.analysis.calibration.log_series import SMALLEST_SHARE, LogSeries
-from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Lengths, correlation_sum
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import NEGLIGIBLE, Lengths
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter, parameter_of
 from drillpetsc.analysis.sensitivities.keys import changed_case, key_of
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
@@ -24,7 +24,8 @@ from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 
 FINEST = 0.01  # of the standard error at first: least one that residuals show
 FINER = 0.1  # tolerance of the steps of the run that tells their error, over the case's
-LARGEST_CORRELATION = 0.999  # of neighbours
+ALMOST, MOST_MORE = 0.999, 1.5  # largest correlation of neighbours; see ``readings_alike``
+ROUNDS = 3  # of the number of residuals that count as one, which its own bias depends on
 FAR = 1e6  # standard errors of a reading without a run: it fits nothing
 MOST_RUNS = 6  # that are kept
 SCATTER = 1.5  # rms of the residuals over the standard error, or the inverse, from which that is renewed
@@ -226,17 +227,25 @@ class RunCalibration(Estimator):
 
 
 def readings_alike(residual: FloatArray) -> float:
-    """How many residuals (n,) in order of time count as one: by the sum of their correlations, and as of an autoregression.
+    """How many residuals (n,) in order of time count as one: L = 1 + 2 sum (rho_k + L/n), until a term is negligible.
 
-    The correlation of neighbours comes out too small by (1 + 3 rho)/n in a short series (Kendall, Biometrika 41, 1954).
+    Correlations about the mean of n residuals come out too small by L/n, the variance of that mean over their own. The tail that is cut
+    off has that share of the sum of an autoregression. In a short series the sum often ends too early: neighbours of an autoregression say
+    (1 + rho)/(1 - rho), which is taken up to half as much again, because neighbours of a smooth series say nothing.
     """
-    x = residual - residual.mean()
-    power = float(x @ x)
+    x, count = residual - residual.mean(), len(residual)
+    power, found = float(x @ x), 1.0
     if not power > 0:
-        return 1.0
-    neighbours = float(x[:-1] @ x[1:]) / power
-    corrected = min(neighbours + (1 + 3 * neighbours) / len(x), LARGEST_CORRELATION)
-    return min(max(correlation_sum(residual), (1 + corrected) / (1 - corrected), 1.0), float(len(x)))
+        return found
+    for _ in range(ROUNDS):
+        lacking, found = found / count, 1.0
+        for k in range(1, count):
+            rho = float(x[:-k] @ x[k:]) / power + lacking
+            if rho < NEGLIGIBLE:
+                break
+            found += 2 * rho / (1 - NEGLIGIBLE)
+    neighbours = min(float(x[:-1] @ x[1:]) / power + found / count, ALMOST)
+    return min(max(found, min((1 + neighbours) / (1 - neighbours), MOST_MORE * found)), float(count))
 
 
 def fit_run(
