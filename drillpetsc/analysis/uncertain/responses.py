@@ -135,9 +135,7 @@ class RoadmapResponse:
         self.outputs = outputs_of(asked, rows)
         self.base = self._flat(base)[0]
         self._prepared = [
-            i
-            for i, key in enumerate(keys)
-            if key.name not in (WEIGHT_FACTOR, BLOCK) and not _sections(key)
+            i for i, key in enumerate(keys) if key.name not in (WEIGHT_FACTOR, BLOCK) and not _sections(key)
         ]
 
     def _flat(self, found: dict[str, FloatArray]) -> FloatArray:
