@@ -373,16 +373,14 @@ def check_restart(
         )
     if early is not None:
         raise early
-    refusal: CaseError | None = None
-    if comm.rank == 0:
+
+    def refuse_missing_output() -> None:
         written = saved.notes.get("tables", {})
-        try:
-            refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
-        except CaseError as error:  # a list of frames that cannot be read
-            refusal = error
-    refusal = comm.tompi4py().bcast(refusal)
-    if refusal is not None:
-        raise refusal
+        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
+        if refusal is not None:
+            raise refusal
+
+    first_rank_gives(comm.tompi4py(), refuse_missing_output)
     return changes
 
 
