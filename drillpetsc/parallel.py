@@ -211,6 +211,21 @@ def _end_job_with_traceback(kind: Any, value: Any, trace: Any) -> None:
 
 
 # ---------------------------------------------------------------------- work of rank 0, waiting
+def first_rank_gives(mpi: Any, function: Callable[[], Any]) -> Any:
+    """The result of a function of rank 0, or its DrillError, on all ranks of ``mpi`` (mpi4py's; collective)."""
+    answer: Any = None
+    if mpi.rank == 0:
+        try:
+            answer = function()
+        except DrillError as error:
+            answer = error
+    if mpi.size > 1:
+        answer = mpi.bcast(answer)
+    if isinstance(answer, DrillError):
+        raise answer
+    return answer
+
+
 def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float | None = None) -> None:
     """Let rank 0 write something. An error there is raised on all ranks (collective).
 
@@ -219,20 +234,18 @@ def first_rank_does(mpi: Any, what: str, action: Callable[[], Any], time: float 
     action: function that writes
     time: simulated time for the error message [s]
     """
-    reported: DrillError | None = None
-    if mpi.rank == 0:
+
+    def write() -> None:
         try:
             action()
         except OSError as error:
-            reported = SolveError(cannot_write(error, error.filename or what), time=time, hint=RESTART_HINT)
+            raise SolveError(
+                cannot_write(error, error.filename or what), time=time, hint=RESTART_HINT
+            ) from None
         except ValueError as error:  # a table with other columns
-            reported = CaseError(at="--restart", want="the case that is continued", hint=str(error))
-        except DrillError as error:
-            reported = error
-    if mpi.size > 1:
-        reported = mpi.bcast(reported)
-    if reported is not None:
-        raise reported
+            raise CaseError(at="--restart", want="the case that is continued", hint=str(error)) from None
+
+    first_rank_gives(mpi, write)
 
 
 def wait_for(request: Any, longest: float = float("inf")) -> bool:

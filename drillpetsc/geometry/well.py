@@ -58,6 +58,11 @@ class StraightAxis:
     start: Array
     direction: Array
 
+    def at(self, md: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position (..., 3) [m], tangent (..., 3) and curvature vector (..., 3) [1/m] at md (...) [m]."""
+        position = self.start + np.asarray(md, dtype=float)[..., None] * self.direction
+        return position, np.broadcast_to(self.direction, position.shape).copy(), np.zeros_like(position)
+
     def project(self, points: Array) -> ClosestPoints:
         """Closest points to ``points`` (n, 3) [m]; no wall is near."""
         d = points - self.start

@@ -118,6 +118,18 @@ class DrillingModel:
         return mass
 
     @property
+    def given_well(self) -> Well:
+        """``well`` of a model with a hole."""
+        assert self.well is not None
+        return self.well
+
+    @property
+    def given_contact(self) -> Contact:
+        """``contact`` of a string that touches its hole."""
+        assert self.contact is not None
+        return self.contact
+
+    @property
     def axis(self) -> Well | StraightAxis:
         """The axis of the hole, or the straight line of a string without a hole."""
         return self.well or StraightAxis(self.position[0], self.tangent[0])
@@ -363,12 +375,10 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, 
 
     The string lies along the hole, or along the initial direction of a case without a hole.
     """
-    if well is not None:
-        position, tangent, _ = well.at(mesh.node_depth)
-        return np.asarray(position), np.asarray(tangent)
     i, a = case.initial.inclination, case.initial.azimuth
-    direction = np.array([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)])
-    return mesh.node_depth[:, None] * direction, np.tile(direction, (mesh.nodes, 1))
+    line = StraightAxis(np.zeros(3), np.array([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)]))
+    position, tangent, _ = (well or line).at(mesh.node_depth)
+    return np.asarray(position), np.asarray(tangent)
 
 
 # ---------------------------------------------------------------------- ends

@@ -40,9 +40,8 @@ from drillpetsc.physics.fluid.own_rheology import flow_curve
 from drillpetsc.physics.fluid.reamed_rings import ReamedRings
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.fluid.side_nozzles import SideLink, SideNozzles
-from drillpetsc.physics.fluid.surface_line import SurfaceLine
 from drillpetsc.physics.fluid.swirl import steady_share
-from drillpetsc.physics.fluid.tool_losses import ToolLosses
+from drillpetsc.physics.fluid.tool_losses import SurfaceLine, ToolLosses
 from drillpetsc.physics.own_law import RHEOLOGY, OwnLaw
 from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.time_function import Constant

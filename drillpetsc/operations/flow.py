@@ -102,7 +102,7 @@ class Surge(DrawnOperation):
     def trips(self) -> Trips:
         """What is computed."""
         from drillpetsc.analysis.hydraulics.surge import Trips
-        from drillpetsc.case.blocks.window import Window
+        from drillpetsc.case.blocks.well import Window
 
         window = None
         if self.flow is not None and "pumping" not in self.pipe:

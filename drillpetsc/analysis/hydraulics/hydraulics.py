@@ -32,7 +32,7 @@ from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.items.string import Bit
-from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.blocks.well import Window
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_hole
 from drillpetsc.case.quantities import largest, said

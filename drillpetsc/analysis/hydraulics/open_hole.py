@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.blocks.well import Window
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_well

@@ -34,7 +34,7 @@ from drillpetsc.analysis.hydraulics.open_hole import (
     shoe_depth,
 )
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.case.blocks.window import Window
+from drillpetsc.case.blocks.well import Window
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError

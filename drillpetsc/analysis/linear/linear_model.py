@@ -6,7 +6,7 @@ are central differences of the residual and of the outputs. So every input of a 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,11 +21,12 @@ from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.placement import start_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.quantities import largest
-from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.table_rows import TableColumn
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.model_reduction import LARGEST_DENSE
@@ -165,34 +166,19 @@ def linear_model(
     by_rows = [np.column_stack([q[0] for q in part]) for part in parts]
     p = np.column_stack([q[1] for q in parts[0]])
     direct = [np.column_stack([q[2] for q in part]) for part in parts]
-    chosen = on_first(model, lambda: _driven(linearised, by_rows, p, rate))
+    chosen = first_rank_gives(model.system.comm.tompi4py(), lambda: _driven(linearised, by_rows, p, rate))
     Y = d.by_state(chosen)
     d.read()
     if linearised is None:
-        on_first(model, lambda: None)
+        first_rank_gives(model.system.comm.tompi4py(), lambda: None)
         return None
     found: list[LinearModel] = []
 
     def form() -> None:
         found.append(_form(model, linearised, by_rows, p, direct, Y, rate))
 
-    on_first(model, form)
+    first_rank_gives(model.system.comm.tompi4py(), form)
     return found[0]
-
-
-def on_first(model: DrillingModel, function: Callable[[], Any]) -> Any:
-    """The result of a function of the first rank, or its error, on all ranks."""
-    answer: Any = None
-    if model.system.comm.rank == 0:
-        try:
-            answer = function()
-        except DrillError as failure:
-            answer = failure
-    if model.system.comm.size > 1:
-        answer = model.system.comm.tompi4py().bcast(answer)
-    if isinstance(answer, DrillError):
-        raise answer
-    return answer
 
 
 def _forcing(q: Linearised, by_rows: list[FloatArray], p: FloatArray) -> list[FloatArray]:

@@ -18,7 +18,6 @@ from drillpetsc.analysis.linear.linear_model import (
     LinearModel,
     kind_of,
     linear_model,
-    on_first,
     steady_state,
 )
 from drillpetsc.analysis.linear.linearised_model import mean_over_turn
@@ -42,6 +41,7 @@ from drillpetsc.output import RunFolder, write_summary
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.job import Job
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.solvers.linear.model_reduction import Reduced, not_decaying, reduce
 from drillpetsc.solvers.linear.state_space import StateSpace
 
@@ -121,7 +121,9 @@ def run_linearise(
         state = steady_state(model)
         notes = [*state.warnings, *doubts_at(_moment(model, live))]
         linear = linear_model(model, disturbed, outputs)
-        answer = on_first(model, partial(_reduced, model, linear, inputs, outputs, method, order))
+        answer = first_rank_gives(
+            comm.tompi4py(), partial(_reduced, model, linear, inputs, outputs, method, order)
+        )
     system, reduced, found = answer
     described = [describe(case, key) for key in inputs]
     summary = {

@@ -40,7 +40,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.doubts import doubts_at
-from drillpetsc.errors import CaseError, DrillError
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.top import continuous_control
@@ -54,6 +54,7 @@ from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.output.quantities import MODES
 from drillpetsc.output.quantities.modes import STOKES_NUMBER
 from drillpetsc.output.summaries.linear import ModesSummary
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import (
@@ -166,40 +167,37 @@ def modes(
     system, reference = model.system, reference_rate(model)
     imbalance, own = unbalanced_force(model), frequency_dependent(model)
     linearised = linearise_model(model)
-    answer: Any = None
-    if linearised is not None:
-        try:
-            problem = linearised.eigenproblem(reference)
-            if shift is None and kind:
-                selected = _of_kind(model, linearised, kind)
-                eigenvalues = lowest_of_kind(model, linearised, problem, count, kind, selected, engine)
-            elif shift is None:
-                eigenvalues = lowest_eigenvalues(problem, count, engine)
-            else:
-                eigenvalues = _nearest(
-                    eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
-                )
-            for component in model.components:
-                for _ in range(component.free_angles):
-                    eigenvalues = _without_free_angle(model, linearised, eigenvalues)
-                if component.free_length:
-                    eigenvalues = _without_free_length(component.free_length, model, linearised, eigenvalues)
-            kept = 0
-            if own is not None:
-                share = _shares(model, linearised, eigenvalues.s, linearised.vectors(eigenvalues))
-                refined = at_own_frequencies(own, eigenvalues, share[:, 0])
-                eigenvalues, kept = refined.found, refined.kept
-            answer = *_describe(model, linearised, eigenvalues), None, kept
-            if own is not None:
-                numbers = stokes_numbers(own, answer[0], answer[3]["string.position"])
-                answer = *answer[:4], np.where(answer[1][:, 0] > LATERAL, numbers, np.nan), kept
-        except DrillError as failure:
-            answer = failure
-    if system.comm.size > 1:
-        answer = system.comm.tompi4py().bcast(answer)
-    if isinstance(answer, DrillError):
-        raise answer
-    s, share, error, shapes, numbers, kept = answer
+
+    def solve() -> Any:
+        assert linearised is not None  # rank 0 has it
+        problem = linearised.eigenproblem(reference)
+        if shift is None and kind:
+            selected = _of_kind(model, linearised, kind)
+            eigenvalues = lowest_of_kind(model, linearised, problem, count, kind, selected, engine)
+        elif shift is None:
+            eigenvalues = lowest_eigenvalues(problem, count, engine)
+        else:
+            eigenvalues = _nearest(
+                eigenvalues_near(problem, 2j * np.pi * shift, 2 * count, engine), shift, count
+            )
+        for component in model.components:
+            for _ in range(component.free_angles):
+                eigenvalues = _without_free_angle(model, linearised, eigenvalues)
+            if component.free_length:
+                eigenvalues = _without_free_length(component.free_length, model, linearised, eigenvalues)
+        kept, numbers = 0, None
+        if own is not None:
+            share = _shares(model, linearised, eigenvalues.s, linearised.vectors(eigenvalues))
+            refined = at_own_frequencies(own, eigenvalues, share[:, 0])
+            eigenvalues, kept = refined.found, refined.kept
+        s, share, error, shapes = _describe(model, linearised, eigenvalues)
+        if own is not None:
+            numbers = np.where(
+                share[:, 0] > LATERAL, stokes_numbers(own, s, shapes["string.position"]), np.nan
+            )
+        return s, share, error, shapes, numbers, kept
+
+    s, share, error, shapes, numbers, kept = first_rank_gives(system.comm.tompi4py(), solve)
     size = np.abs(s)
     ratio = np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
     kinds = tuple(KINDS[i] for i in share.argmax(axis=1))

@@ -28,6 +28,7 @@ from drillpetsc.output import RunFolder, read_summary
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.run_writer import missing_output
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 VERSION = 5
@@ -320,24 +321,18 @@ def saved_state(comm, folder: RunFolder, restart: bool) -> Checkpoint | None:
     """
     if not restart:
         return None
-    answer: Any = None
-    if comm.rank == 0:
-        try:
-            if folder.checkpoint.exists():
-                answer = read(folder.checkpoint)
-            elif folder.summary.exists() and read_summary(folder.summary).get("status") == "done":
-                raise CaseError(
-                    file=folder.checkpoint,
-                    got="no such file",
-                    want="the checkpoint of the run, which is continued",
-                    hint="take the file from a copy of the run folder, or start the run again with --overwrite",
-                )
-        except CaseError as error:
-            answer = error
-    answer = comm.tompi4py().bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    return answer
+
+    def found() -> Checkpoint | None:
+        if folder.checkpoint.exists():
+            return read(folder.checkpoint)
+        if folder.summary.exists() and read_summary(folder.summary).get("status") == "done":
+            want = "the checkpoint of the run, which is continued"
+            hint = "take the file from a copy of the run folder, or start the run again with --overwrite"
+            raise CaseError(file=folder.checkpoint, got="no such file", want=want, hint=hint)
+        return None
+
+    saved: Checkpoint | None = first_rank_gives(comm.tompi4py(), found)
+    return saved
 
 
 def check_restart(
@@ -378,16 +373,14 @@ def check_restart(
         )
     if early is not None:
         raise early
-    refusal: CaseError | None = None
-    if comm.rank == 0:
+
+    def refuse_missing_output() -> None:
         written = saved.notes.get("tables", {})
-        try:
-            refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
-        except CaseError as error:  # a list of frames that cannot be read
-            refusal = error
-    refusal = comm.tompi4py().bcast(refusal)
-    if refusal is not None:
-        raise refusal
+        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
+        if refusal is not None:
+            raise refusal
+
+    first_rank_gives(comm.tompi4py(), refuse_missing_output)
     return changes
 
 

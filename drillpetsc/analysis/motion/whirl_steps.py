@@ -154,8 +154,7 @@ class WhirlSteps:
 
     def _fastest(self, body: RigidItem) -> float:
         """Rate [rad/s] at which a body vibrates on its contact with the wall: no whirl that lasts is faster."""
-        contact = self.model.contact
-        assert contact is not None
+        contact = self.model.given_contact
         mass = sum(b.mass for b in self.model.mesh.bodies if b.node == body.node)
         return float(np.sqrt(contact.law.stiffness * body.contact_span / mass))
 
@@ -171,8 +170,8 @@ class WhirlSteps:
     def _find_contacts(self, parts: list[_Part]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Contacts of the parts on this rank: addresses (k,) of their normal forces, places (k, 2) of the spins beside them in the rates,
         their parts (k,).  The bit in gauge touches always."""
-        asm, contact, ends = self.model.system.assembly, self.model.contact, self.model.system.chain.ends
-        assert contact is not None
+        contact, system = self.model.given_contact, self.model.system
+        asm, ends = system.assembly, system.chain.ends
         (of_cells, of_bodies), dofs = contact.normal_forces_at(asm), asm.dofs_of("string.spin")[:, 0]
         at, nodes, of = [], [], []
         for k, part in enumerate(parts):

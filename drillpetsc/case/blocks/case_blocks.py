@@ -33,8 +33,7 @@ from drillpetsc.case.blocks.rig import STANDARD_GRAVITY, Rig
 from drillpetsc.case.blocks.roadmap import Roadmap
 from drillpetsc.case.blocks.settings import BeamTheory, Initial, MeshSettings, Output, Time
 from drillpetsc.case.blocks.uncertain import Spreads
-from drillpetsc.case.blocks.well import Well
-from drillpetsc.case.blocks.window import WINDOW_FILE, Window
+from drillpetsc.case.blocks.well import WINDOW_FILE, Well, Window
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, Vector
 from drillpetsc.unit_systems import System

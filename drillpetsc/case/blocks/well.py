@@ -1,4 +1,4 @@
-"""`well`: survey and sections of the hole."""
+"""`well`: survey and sections of the hole; `window`: pressures between which the open hole holds."""
 
 from __future__ import annotations
 
@@ -6,15 +6,23 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, PrivateAttr, ValidatorFunctionWrapHandler, WrapValidator, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.items.string import Friction
+from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, said
+from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, as_list, said
 
 DEFAULT_FRICTION = {"casing": 0.2, "riser": 0.2, "open_hole": 0.3}
 
@@ -305,3 +313,66 @@ class Well(Block):
     def diameter_at(self, depth: float) -> float:
         """Diameter of the hole [m] at a measured depth [m]; below the last section, the diameter of that section."""
         return next((q.diameter for q in self.sections if depth <= q.to), self.sections[-1].diameter)
+
+
+def _list(value: Any) -> Any:
+    """One value as a list of one."""
+    value = as_list(value)
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
+_Density = Annotated[float, Quantity("kg/m^3", above=0, at_most=5e3, kind="mud_weight")]
+Densities = Annotated[
+    tuple[_Density, ...], BeforeValidator(_list, json_schema_input_type=_Density | tuple[_Density, ...])
+]
+
+
+class Window(Block):
+    """Pressures between which the open hole holds, as equivalent densities: one pair, or a table over the depth."""
+
+    tvd: tuple[Annotated[float, Quantity("m", at_least=0, at_most=50e3)], ...] | None = Field(
+        default=None,
+        description="vertical depths below the rotary table, rising; linear between them; "
+        "when not given, pore and frac are one value each for all depths",
+    )
+    pore: Densities = Field(
+        description="lower limit (pore pressure or stability) as the density of a column from the flow line"
+    )
+    frac: Densities = Field(
+        description="upper limit (fracture or loss) as the density of a column from the flow line"
+    )
+
+    @model_validator(mode="after")
+    def _rows(self) -> Window:
+        count = 1 if self.tvd is None else len(self.tvd)
+        if self.tvd is not None and count < 2:
+            raise refuse(
+                "tvd", got=f"{count} values", want="two depths or more", hint="leave tvd out for one pair"
+            )
+        for i in range(1, count):
+            assert self.tvd is not None
+            if self.tvd[i] <= self.tvd[i - 1]:
+                want = f"rising depths: above {said(self.tvd[i - 1], 'length')}, the row before"
+                raise refuse("tvd", i, got=self.tvd[i], want=want)
+        for key in ("pore", "frac"):
+            values = getattr(self, key)
+            if len(values) != count:
+                want = "one value without tvd" if self.tvd is None else f"{count} values, one for each tvd"
+                raise refuse(key, got=f"{len(values)} values", want=want)
+        for i, (low, high) in enumerate(zip(self.pore, self.frac, strict=True)):
+            if high <= low:
+                raise refuse("frac", i, got=high, want=f"above pore, {said(low, 'mud_weight')}")
+        return self
+
+
+#: a pressure window; a column without a unit has that of the bare numbers of the case
+WINDOW_FILE = QuantityFile(
+    {
+        "tvd": QuantityColumn("m", ("tvd",), {}),
+        "pore": QuantityColumn("kg/m^3", ("pore",), {}),
+        "frac": QuantityColumn("kg/m^3", ("frac",), {}),
+    },
+    "tvd [ft], pore [ppg], frac [ppg]",
+    "{pore: ..., frac: ...}, or {tvd: [...], pore: [...], frac: [...]}",
+    bare=True,
+)

@@ -118,8 +118,8 @@ def _mud_sections(case: CaseBlocks) -> None:
 
 def _side_nozzles(case: CaseBlocks) -> None:
     """Raise if mud cannot flow through the nozzles of an item above the bit."""
-    fluid, first = case.fluid, next(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
-    assert fluid is not None
+    fluid = case.given_fluid
+    first = next(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
     for i, _ in case.side_nozzles:
         item = case.string[i]
         sizes = isinstance(item, Stabilizer) and item.nozzles is not None
@@ -179,8 +179,7 @@ def _choke(fluid: Fluid) -> None:
 
 
 def _annulus(case: CaseBlocks) -> None:
-    fluid = case.fluid
-    assert fluid is not None
+    fluid = case.given_fluid
     if fluid.annulus and case.well is None:
         hint = "give a well, or annulus: false"
         raise refuse("fluid", "annulus", got=True, want="no annulus without a well", hint=hint)
@@ -200,8 +199,7 @@ def _lower_end(case: CaseBlocks) -> None:
 
     A plugged string that is not filled from above is empty. The fluid is then in the annulus only.
     """
-    fluid = case.fluid
-    assert fluid is not None
+    fluid = case.given_fluid
     if not case.bottom.plugged or fluid.pump_pressure is not None or case.side_nozzles:
         return
     if largest(fluid.flow_rate) > 0:
@@ -217,8 +215,7 @@ def _lower_end(case: CaseBlocks) -> None:
 
 def _bore(case: CaseBlocks) -> None:
     """Raise unless all flexible items have a bore, or none has a bore and nothing is pumped."""
-    fluid = case.fluid
-    assert fluid is not None
+    fluid = case.given_fluid
     solid = [i for i, item in enumerate(case.string) if isinstance(item, Flexible) and item.id == 0]
     if not solid:
         return

@@ -13,6 +13,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.atomic import remove_leftovers
+from drillpetsc.parallel import first_rank_gives
 
 SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
 WELLS_TABLE = "wells.csv"  # table of a batch of several wells
@@ -319,14 +320,12 @@ def make_folder(
 
     Raises CaseError on every rank if that fails.
     """
-    mpi = comm.tompi4py()
-    answer: Any = None
-    if comm.rank == 0:
+
+    def made() -> RunFolder:
         try:
-            answer = RunFolder.create(name, out, restart=restart, overwrite=overwrite)
+            return RunFolder.create(name, out, restart=restart, overwrite=overwrite)
         except OSError as error:
-            answer = CaseError(at="--out", got=str(out) if out else "", want=str(error))
-    answer = mpi.bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    return answer
+            raise CaseError(at="--out", got=str(out) if out else "", want=str(error)) from None
+
+    found: RunFolder = first_rank_gives(comm.tompi4py(), made)
+    return found

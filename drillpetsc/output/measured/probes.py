@@ -129,8 +129,7 @@ class Probes:
 
     def contact_forces(self, steps: StepRecord) -> FloatArray:
         """(k, probes) ``contact_force`` after each of k recorded steps."""
-        contact, cells, out = self.model.contact, self._local, np.zeros((len(steps), len(self._probes)))
-        assert contact is not None
+        contact, cells, out = self.model.given_contact, self._local, np.zeros((len(steps), len(self._probes)))
         for k, probe in enumerate(self._probes):
             if probe.cell in cells:
                 out[:, k] = contact.normal_force_of(cells[probe.cell], steps)
@@ -138,8 +137,7 @@ class Probes:
 
     def contact_force(self) -> FloatArray:
         """(probes,) normal force [N] on the probes' elements at the last evaluation of the rows."""
-        contact, cells = self.model.contact, self._local
-        assert contact is not None
+        contact, cells = self.model.given_contact, self._local
         return np.array(
             [contact.normal_force(cells[p.cell]) if p.cell in cells else 0.0 for p in self._probes]
         )

@@ -58,8 +58,7 @@ class RigidItems:
 
         Zero on ranks without the item.
         """
-        assert self.model.contact is not None
-        out: FloatArray = sample.once(self.model.contact.item_results).copy()
+        out: FloatArray = sample.once(self.model.given_contact.item_results).copy()
         bit = self.model.drilling
         if bit is not None and bit.hole is not None and self._bit is not None:  # it has a separate contact
             out[self._bit] += self._of_drilling_bit(
@@ -93,10 +92,9 @@ class RigidItems:
 
     def loads_of(self, steps: StepRecord) -> FloatArray:
         """(k, items, 13) ``loads`` after each of k recorded steps."""
-        contact, bit = self.model.contact, self.model.drilling
-        if contact is None:
+        if not len(self.items):
             return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
-        results = contact.item_results_of(steps)
+        results, bit = self.model.given_contact.item_results_of(steps), self.model.drilling
         if bit is not None and self._bit is not None:
             found = bit.element_results_of(steps)
             results[:, self._bit] += self._of_drilling_bit(found, bit.direction_of(steps))

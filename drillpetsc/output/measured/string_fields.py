@@ -70,8 +70,7 @@ class StringFields:
 
     def hole_radius(self, position: FloatArray) -> FloatArray:
         """(k, 1) radius [m] of the hole at points (k, 3)."""
-        assert self.model.well is not None
-        return np.asarray(self.model.well.project(position).radius)[:, None]
+        return np.asarray(self.model.given_well.project(position).radius)[:, None]
 
     # ------------------------------------------------------------------ elements
     @property

@@ -29,10 +29,9 @@ class Outside:
 
 def outside(model: DrillingModel, t: float) -> Outside | None:
     """Compute the point of the local nodes that is furthest outside the hole at time ``t`` [s], None if all are inside."""
-    assert model.well is not None
-    foot = model.well.project(model.system.field("string.position"))
+    foot = model.given_well.project(model.system.field("string.position"))
     distance = np.linalg.norm(foot.offset, axis=1)
-    beyond = distance - model.well.radius(foot.md)
+    beyond = distance - model.given_well.radius(foot.md)
     k = int(np.argmax(beyond)) if len(beyond) else -1
     if k < 0 or beyond[k] <= 0:
         return None

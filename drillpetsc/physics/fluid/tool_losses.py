@@ -1,4 +1,4 @@
-"""Measured pressure losses of tools in the string, by a table of the flow rate.
+"""Losses beside the friction in the string: of tools, measured by a table of the flow rate, and of the lines from pump to string.
 
 Kernel: kernels/fluid/tool_loss.hpp.  Manual: eq-mud-tool-curve.  Losses that go with the flow rate squared are part of the bore's
 row of momentum (``BoreFlow``).
@@ -6,6 +6,7 @@ row of momentum (``BoreFlow``).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from drillpetsc.fem.component import Component, ElementBlock, Powers
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.rheology import Rheology, pressure_gradient
 
 RESULTS = columns("tool_loss_results")
 
@@ -87,3 +89,28 @@ class ToolLosses(Component):
 
     def powers(self, t: float, state) -> Powers:
         return Powers(dissipated=self._evaluated(state).sums.item(RESULTS["power"]))
+
+
+@dataclass(frozen=True)
+class SurfaceLine:
+    """A pipe with the string's friction law, or a measured loss scaled with the flow rate squared.
+
+    rheology, density: of the fluid [kg/m3].
+    length, diameter: of the pipe [m]; 0 with a measured loss.
+    measured, at: loss [Pa] at a flow rate [m3/s]; 0 with a pipe.
+    """
+
+    rheology: Rheology
+    density: float
+    length: float = 0.0
+    diameter: float = 0.0
+    measured: float = 0.0
+    at: float = 0.0
+
+    def loss(self, flow_rate: float) -> float:
+        """Compute the pressure loss [Pa], with the sign of the flow rate [m3/s]."""
+        if self.at > 0:
+            return self.measured * flow_rate * abs(flow_rate) / self.at**2
+        speed = flow_rate / (math.pi / 4 * self.diameter**2)
+        gradient = pressure_gradient(self.rheology, [speed], [self.diameter], [False], [self.density])
+        return float(gradient[0]) * self.length

@@ -29,7 +29,7 @@ from drillpetsc.output.balances.energy_balance import EnergyGainMonitor
 from drillpetsc.output.files.run_folder import SWEEP_TABLE
 from drillpetsc.output.progress import Receiver, check_progress, duration
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.parallel import wait_for, wait_for_files
+from drillpetsc.parallel import first_rank_gives, wait_for, wait_for_files
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.studies.sweep import table
 from drillpetsc.studies.sweep.plan import plan_sweep, plan_wells
@@ -144,16 +144,14 @@ def refuse_unread_options(comm: PETSc.Comm, cases: Sequence[Case]) -> None:
     Options of the command line and of the cases are checked. Rank 0 builds one model, and further models with
     other physics as long as an option is left that none has read.
     """
-    mpi = comm.tompi4py()
-    answer: CaseError | list[str] | None = None
-    if comm.rank == 0:
+
+    def options_given() -> list[str]:
         given = list(PETSc.Options().getAll())
-        unread = _unread_options(given, cases)
-        answer = options.not_an_option(unread[0], "one of the cases") if unread else given
-    answer = mpi.bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    for name in answer or ():
+        if unread := _unread_options(given, cases):
+            raise options.not_an_option(unread[0], "one of the cases")
+        return given
+
+    for name in first_rank_gives(comm.tompi4py(), options_given):
         # a query counts as reading, so a member whose own solvers leave the option unread is not refused
         PETSc.Options().hasName(name)
 
@@ -207,16 +205,14 @@ def _read_options(case: Case) -> list[str]:
 def _run_all(comm: PETSc.Comm, progress: str | Receiver, make_plan: Callable[[], Plan]) -> SweepResult:
     """Plan on rank 0, run the members in worker groups, and collect their outcomes (collective)."""
     mpi = comm.tompi4py()
-    answer: Any = None
-    if mpi.rank == 0:
+
+    def made() -> Plan:
         try:
-            answer = make_plan()
-        except (CaseError, OSError, ValueError) as error:
-            answer = error if isinstance(error, CaseError) else CaseError(at="--out", want=str(error))
-    answer = mpi.bcast(answer)
-    if isinstance(answer, CaseError):
-        raise answer
-    plan: Plan = answer
+            return make_plan()
+        except (OSError, ValueError) as error:
+            raise CaseError(at="--out", want=str(error)) from None
+
+    plan: Plan = first_rank_gives(mpi, made)
     order = sorted(
         (m for m in plan.members if plan.folder_of(m).action is not Action.KEEP),
         key=lambda m: (-m.cost, m.number),

@@ -32,11 +32,11 @@ from drillpetsc.analysis.linear.frequency.turning import TurningModel
 from drillpetsc.analysis.linear.linearised_model import linearise_model
 from drillpetsc.analysis.linear.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
 from drillpetsc.arrays import FloatArray
-from drillpetsc.errors import DrillError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities import MODE_KINDS as KINDS
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
@@ -122,18 +122,14 @@ def modes_at(
     states.at(speed)
     model, beside = states.model, lines()
     own = frequency_dependent(model)
-    system, linearised = model.system, linearise_model(model)
-    answer: Any = None
-    if linearised is not None:
-        try:
-            answer = _found(model, linearised, own, speed, count, kind, beside)
-        except DrillError as failure:
-            answer = failure
-    if system.comm.size > 1:
-        answer = system.comm.tompi4py().bcast(answer)
-    if isinstance(answer, DrillError):
-        raise answer
-    return answer
+    linearised = linearise_model(model)
+
+    def solve() -> SpeedModes:
+        assert linearised is not None  # rank 0 has it
+        return _found(model, linearised, own, speed, count, kind, beside)
+
+    modes: SpeedModes = first_rank_gives(model.system.comm.tompi4py(), solve)
+    return modes
 
 
 def _found(

@@ -32,7 +32,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.excitation import Excitation
 from drillpetsc.doubts import doubts_at
-from drillpetsc.errors import CaseError, DrillError, SolveError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import write_summary, write_table
@@ -42,6 +42,7 @@ from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
 from drillpetsc.output.summaries.linear import ResponseSummary
+from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
@@ -400,17 +401,12 @@ def _answer(
     load: np.ndarray | None,
 ) -> Response:
     """The response, which the first rank computes, on all ranks; collective."""
-    found: Response | DrillError | None = None
-    if linearised is not None:
-        try:
-            found = _respond(model, linearised, excitation, omega, load)
-        except DrillError as failure:
-            found = failure
-    if model.system.comm.size > 1:
-        found = model.system.comm.tompi4py().bcast(found)
-    if isinstance(found, DrillError):
-        raise found
-    assert found is not None
+
+    def respond() -> Response:
+        assert linearised is not None  # the first rank has it
+        return _respond(model, linearised, excitation, omega, load)
+
+    found: Response = first_rank_gives(model.system.comm.tompi4py(), respond)
     return found
 
 

@@ -129,14 +129,11 @@ class Surroundings:
 
     def _vertical_depth(self, model: DrillingModel) -> FloatArray:
         """(n, 2) [m]: along gravity from the top of the hole, or of the string without a hole; nan without gravity."""
-        gravity, mesh = np.array(model.case.gravity, dtype=float), model.mesh
+        gravity = np.array(model.case.gravity, dtype=float)
         size = float(np.linalg.norm(gravity))
         if not size:
             return np.full(self.md.shape, np.nan)
-        if model.well is not None:
-            return np.asarray(model.well.at(self.md)[0]) @ gravity / size
-        along = np.stack([mesh.upper, mesh.lower], axis=1)[..., None] * model.tangent[0]
-        return (model.position[0] + along) @ gravity / size
+        return np.asarray(model.axis.at(self.md)[0]) @ gravity / size
 
     def loads(self, tension: FloatArray, law: buckling.Helical) -> tuple[FloatArray, FloatArray]:
         """(n, 2) sinusoidal and helical buckling load [N] under an effective tension (n, 2) [N].

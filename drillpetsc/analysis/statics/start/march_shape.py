@@ -42,8 +42,7 @@ def lateral_shape(
     The four columns are offsets [m] and slopes [-] along the second and the third director at zero spin.
     s: (n,) measured depths [m]; helical: (n,); phase: (n,) of the helix [rad].
     """
-    well, law = model.well, None if model.contact is None else model.contact.law
-    assert well is not None
+    law = None if model.contact is None else model.contact.law
     t, second, third = _directors(model, s)
     load, clearance = lying.load, lying.clearance
     size = np.linalg.norm(load, axis=1)
@@ -95,8 +94,7 @@ def _directors(model: DrillingModel, s: FloatArray) -> tuple[FloatArray, FloatAr
 
     The hole where the string lies may have any direction beside the frames of the start.
     """
-    assert model.well is not None
-    t = np.asarray(model.well.at(s)[1])
+    t = np.asarray(model.given_well.at(s)[1])
     return t, *frame_across(model, t)
 
 
@@ -112,12 +110,11 @@ def place(
 
     shape: as of ``_shape``.
     """
-    assert model.well is not None
     t, second, third = _directors(model, s)
     offset = shape[:, :1] * second + shape[:, 1:2] * third
     tangent = t + shape[:, 2:3] * second + shape[:, 3:] * third
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    return np.asarray(model.well.at(s)[0]) + offset, tangent, offset, t
+    return np.asarray(model.given_well.at(s)[0]) + offset, tangent, offset, t
 
 
 def _eased(values: FloatArray, s: FloatArray) -> FloatArray:
