@@ -13,7 +13,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.units import to_si
 
-WOB, OD = 50e3, 0.2159
+WOB, OD = 30e3, 0.2159  # below the weight at which the collars buckle
 
 
 def case(roadmap=None, friction=None, rotation="120 rpm", units="field"):
