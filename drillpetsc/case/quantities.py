@@ -389,6 +389,11 @@ def kinds_of_field(field: FieldInfo) -> set[tuple[str, str]]:
     return {(part.unit, part.kind) for part in parts if isinstance(part, (Quantity, Vector, OverTime))}
 
 
+def varies_over_time(field: FieldInfo) -> bool:
+    """Whether the value of a key may be a function of time."""
+    return any(isinstance(part, OverTime) for part in _metadata(field.annotation, field.metadata))
+
+
 def _metadata(annotation: Any, own: Iterable[Any] = ()) -> Iterator[Any]:
     """Metadata of a key and of the types inside its annotation, except those inside blocks."""
     yield from own

@@ -11,7 +11,7 @@ from pydantic.fields import FieldInfo
 from drillpetsc.case.block import Block
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.key_paths import parsed
-from drillpetsc.case.quantities import kinds_of_field, unit_of_field
+from drillpetsc.case.quantities import kinds_of_field, unit_of_field, varies_over_time
 from drillpetsc.unit_systems import System, unit_of_bare_number
 from drillpetsc.units import spelled
 
@@ -59,6 +59,8 @@ def _fields_of(key: str) -> list[FieldInfo]:
     for step in parsed(key):
         if isinstance(step, int):  # the entries of a list have the unit of the list
             continue
+        if step == "value" and any(varies_over_time(field) for field in fields):
+            continue  # the values of a function of time have the unit of its key
         fields = [
             field
             for block in blocks

@@ -330,12 +330,12 @@ def in_units(case: Case, units: str | None) -> Case:
     )
 
 
-def print_warnings(case: Case) -> None:
-    """Print warnings about values that look like another unit, once for the whole job, to standard error."""
+def print_warnings(*cases: Case) -> None:
+    """Print warnings about values that look like another unit, each once for the whole job, to standard error."""
     from drillpetsc.case.plausible.plausibility import notes
 
     if world_rank() == 0:
-        for line in notes(case):
+        for line in dict.fromkeys(line for case in cases for line in notes(case)):
             if line.startswith("WARNING"):
                 print(line, file=sys.stderr)
 

@@ -125,11 +125,13 @@ class Sweep(Operation):
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.studies.sweep.sweep import sweep
-        from drillpetsc.studies.sweep.variations import choices_of
+        from drillpetsc.studies.sweep.variations import choices_of, variations
 
+        choices = choices_of(self.values)
+        print_warnings(*(member.case for member in variations(self.case, choices)))
         return sweep(
             self.case,
-            choices_of(self.values),
+            choices,
             self.out,
             restart=self.restart,
             overwrite=self.overwrite,

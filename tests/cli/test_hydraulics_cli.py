@@ -57,6 +57,16 @@ def test_a_mud_in_another_unit_is_doubted(command, tmp_path: Path):
     assert "WARNING: fluid.density is 12 kg/m3: lighter than any mud; 12 ppg?" in done.stderr
 
 
+def test_a_limit_that_several_flow_rates_pass_is_said_once(tmp_path: Path):
+    """At the first flow rate, with the others; the summary has it at each."""
+    (tmp_path / "small.yaml").write_text(CASE + "rig: {max_spp: 10 bar}\n")
+    done = drillpetsc("hydraulics small.yaml --flow", "20,30,40 l/s", "--out", "o", cwd=tmp_path)
+    (line,) = (line for line in done.stdout.splitlines() if "rig.max_spp" in line)
+    assert "at 1200 l/min:" in line and line.endswith("; also at 1800, 2400 l/min")
+    flows = json.loads((tmp_path / "o" / "summary.json").read_text())["flows"]
+    assert all(any("rig.max_spp" in w for w in flow["warnings"]) for flow in flows)
+
+
 def test_tables_and_summaries_are_those_of_the_catalogue(folder: Path):
     tables = {
         "h": ("hydraulics.csv", "pressure_profile.csv", "flow_curve.csv"),

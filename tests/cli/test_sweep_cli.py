@@ -47,6 +47,17 @@ def swept(tmp_path_factory) -> Path:
     return folder
 
 
+def test_values_in_another_unit_are_doubted(tmp_path: Path):
+    """Bare numbers of rpm are read as rad/s: said of each value, and once."""
+    (tmp_path / "small.yaml").write_text(CASE)
+    words = "top.rotation=60,80", "well.sections[0].friction=0.2,0.3"
+    done = drillpetsc("sweep small.yaml", *words, "--out", "sweep", cwd=tmp_path)
+    said = [line for line in done.stderr.splitlines() if line.startswith("WARNING")]
+    assert len(said) == 2 and all(
+        f"were {n} rpm meant?" in line for n, line in zip((60, 80), said, strict=True)
+    )
+
+
 def test_one_row_a_member_and_each_has_a_run_folder(swept):
     table = read_table(swept / "sweep" / "sweep.csv")
     assert table["member"].tolist() == [1, 2, 3, 4] and table["status"].tolist() == ["done"] * 4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -496,18 +497,30 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
                 + "; ".join(lengths_shown(r.limited_by, summary["units"]) for r in block)
             )
     lines += [f"  WARNING: {lengths_shown(w, summary['units'])}" for w in summary["warnings"]]
-    for result in results:
-        size, unit = shown_unit("pump_flow", "m3/s", summary["units"])
-        lines += [
-            f"  WARNING: at {result.flow_rate / size:.5g} {unit}: {lengths_shown(w, summary['units'])}"
-            for w in result.warnings
-        ]
     return (
         lines
+        + _warnings_by_flow(results, summary["units"])
         + _nozzle_lines(case, results, summary["units"])
         + _mud_lines(case, summary["units"])
         + [f"  note: {lengths_shown(note, summary['units'])}" for note in summary["notes"]]
     )
+
+
+def _warnings_by_flow(results: list[FlowResult], system: System) -> list[str]:
+    """One line for the warnings of several flow rates that differ in their numbers only: the first, and the other rates."""
+    size, unit = shown_unit("pump_flow", "m3/s", system)
+    alike: dict[str, list[tuple[str, str]]] = {}
+    for result in results:
+        for w in result.warnings:
+            text = lengths_shown(w, system)
+            alike.setdefault(re.sub(r"\d[\d.]*", "#", text), []).append(
+                (f"{result.flow_rate / size:.5g}", text)
+            )
+    lines = []
+    for (rate, text), *others in alike.values():
+        also = f"; also at {', '.join(rate for rate, _ in others)} {unit}" if others else ""
+        lines.append(f"  WARNING: at {rate} {unit}: {text}{also}")
+    return lines
 
 
 def _mud_lines(case: Case, system: System) -> list[str]:

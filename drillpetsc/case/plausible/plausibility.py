@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
 from drillpetsc.case.blocks.items.tools import ShockSub
+from drillpetsc.case.blocks.well import Survey
+from drillpetsc.case.importers.stations import dogleg
 from drillpetsc.case.plausible.plausible_operations import casings, flows, intervals, readings, torques
 from drillpetsc.case.plausible.plausible_string import (
     beyond_curves,
@@ -29,6 +32,11 @@ DEEPEST = 15e3  # [m]
 LARGEST_WEIGHT = 500e3  # [N] on a bit
 HEAVIEST_BLOCK = 3e6  # [N] 300 t, twice those of the largest rigs
 STEEPEST = math.radians(120)
+LEAST_TILT, LEAST_STATIONS = (
+    0.05,
+    4,
+)  # [rad of a survey that is read in degrees], stations of it that are inclined
+SHARPEST_BEND = math.radians(10) / 30  # [rad/m] of a hole
 FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
 LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
 THICKEST_MUD = 1.0  # [Pa s] of the viscosity at high shear rates
@@ -91,10 +99,39 @@ def _hole(case: CaseBlocks) -> list[str]:
         if units == "SI":
             why += f"; bare numbers are in rad, were {steepest:g} deg meant?"
         out.append(_doubt("well.survey.inclination", f"up to {math.degrees(steepest):.4g} deg", why))
+    if _reads_as_radians(survey):
+        value = f"at most {math.degrees(steepest):.3g} deg, all azimuths below 6.3 deg"
+        out.append(
+            _doubt(
+                "well.survey.inclination", value, "the numbers read as a smooth well in rad; were rad meant?"
+            )
+        )
     if steepest > math.radians(30) and 0 < largest_azimuth < math.radians(0.1):
         value = f"at most {math.degrees(largest_azimuth):.2g} deg"
         out.append(_doubt("well.survey.azimuth", value, "angles in another unit?"))
     return out
+
+
+def _reads_as_radians(survey: Survey) -> bool:
+    """Whether the numbers of a survey in degrees are those of a well in radians.
+
+    Inclinations of at most pi/2 degrees are a nearly vertical hole, whose measured azimuths lie all around.  That several, not all
+    the same, lie below 2 pi degrees, and that the numbers are a smooth hole in radians, is no chance.
+    """
+    inclination, azimuth = (
+        [math.degrees(q) for q in angles] for angles in (survey.inclination, survey.azimuth)
+    )
+    tilted = [i for i, angle in enumerate(inclination) if angle > LEAST_TILT]
+    if len(tilted) < LEAST_STATIONS or max(inclination) > math.pi / 2:
+        return False
+    turns = [azimuth[i] for i in tilted]
+    if min(turns) < 0 or max(turns) > 2 * math.pi or max(turns) - min(turns) < 1e-3:
+        return False
+    return all(
+        dogleg(inclination[i], azimuth[i], inclination[k], azimuth[k])
+        <= SHARPEST_BEND * (survey.md[k] - survey.md[i])
+        for i, k in itertools.pairwise(tilted)
+    )
 
 
 def _string_friction(case: CaseBlocks) -> list[str]:

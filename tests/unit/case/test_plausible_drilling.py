@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from drillpetsc import Case, load_case
@@ -197,3 +198,33 @@ def test_a_history_interval_beyond_the_run_is_doubted():
     (line,) = [q for q in doubts(time=time, output={"history_every": "5 s"}) if "history" in q]
     assert line.startswith("output.history_every is 5 s") and "2 s" in line
     assert not [q for q in doubts(time=time, output={"history_every": "2 s"}) if "history" in q]
+
+
+def survey_of(md, inclination, azimuth) -> dict:
+    """The usual well with another survey, in field units: degrees."""
+    end = md[-1]
+    sections = [USUAL["well"]["sections"][0] | {"to": 0.5 * end}, USUAL["well"]["sections"][1]]
+    return {
+        "well": {"survey": {"md": md, "inclination": inclination, "azimuth": azimuth}, "sections": sections}
+    }
+
+
+def test_a_survey_in_radians_is_doubted():
+    """The directional well of the cases, its angles read as degrees; the well itself is not doubted."""
+    survey = load_case(EAGLE).well.survey
+    md = [q / 0.3048 for q in survey.md]
+    tilt, turn = ([float(np.degrees(q)) for q in angles] for angles in (survey.inclination, survey.azimuth))
+    for angles, doubted in (((survey.inclination, survey.azimuth), True), ((tilt, turn), False)):
+        lines = doubts(**survey_of(md, *map(list, angles)))
+        assert any("were rad meant?" in line for line in lines) is doubted
+
+
+def test_a_vertical_well_is_not_taken_for_one_in_radians():
+    """Measured: inclinations up to 1.5 deg, azimuths all around; planned: one azimuth."""
+    random = np.random.default_rng(3)
+    for _ in range(200):
+        count = int(random.integers(4, 40))
+        md = [*np.linspace(0.0, 9000.0, count + 1).tolist()]
+        tilt = [0.0, *random.uniform(0, 1.5, count).tolist()]
+        for turn in ([0.0, *random.uniform(0, 360, count).tolist()], [5.0] * (count + 1)):
+            assert not any("rad meant" in line for line in doubts(**survey_of(md, tilt, turn)))

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from drillpetsc.case import Case, case_json_schema, read_case_file
+from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
 
@@ -140,3 +141,11 @@ def test_the_forms_of_a_mud_report_fit_where_the_reader_takes_them(
     else:
         with pytest.raises(CaseError):
             Case(**case)
+
+
+def test_values_over_time_have_the_unit_of_their_key():
+    """As of a sensitivity by the value of a ramp."""
+    for key in ("top.rotation", "fluid.flow_rate"):
+        for system in ("SI", "field", "metric"):
+            assert bare_unit_of(f"{key}.value", system) == bare_unit_of(key, system) != ""
+    assert bare_unit_of("fluid.density.value", "SI") == ""
