@@ -162,6 +162,8 @@ def _by_relaxation(problem: StaticProblem) -> float:
     if saddle is None:
         raise failure
     saddle[0]()  # it says so
+    if solver.limit is not None:
+        solver.limit.begin_again()
     return saddle[1]
 
 

@@ -25,6 +25,10 @@ class SearchLimit:
     def __init__(self, nodes: int) -> None:
         self.most, self.used = max(1, MOST_WORK // (nodes + FIXED_NODES)), 0.0
 
+    def begin_again(self) -> None:
+        """Forget what was counted: the search is over, and its state is only closed with the flow."""
+        self.used = 0.0
+
     def count(self, share: float = 1.0) -> None:
         """Count one factorisation, or a ``share`` of one; raises SearchEnded beyond the limit."""
         self.used += share
