@@ -13,12 +13,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from petsc4py import PETSc
 from scipy.io import loadmat
 from scipy.optimize import least_squares
 from scipy.signal import butter, filtfilt, lfilter, medfilt
 
 import drillpetsc
+from drillpetsc.analysis.calibration.estimator import Fit
+from drillpetsc.analysis.calibration.log_series import LogSeries, scatter_of_rows
+from drillpetsc.analysis.calibration.of_runs import RunCalibration, fit_run, run_of
+from drillpetsc.analysis.calibration.words import lines_of_fit
 from drillpetsc.output import read_table
+from drillpetsc.parallel import initialise_petsc
 from drillpetsc.plotting import style
 from drillpetsc.units import to_si
 
@@ -34,6 +40,14 @@ STUCK = 10 * RPM  # a bit below this speed is stuck: twice the noise of the enco
 STALLED = 0.3  # time at rest of a bit that stalls; it sticks for 0.06 s [s]
 TURNING = 0.5  # the law of the torque is compared above this speed [rad/s]
 SPIKES = 31  # samples of the median that takes the spikes off the top speed
+#: of the case that the run itself is fitted with; the lag is the fitted one [s]; every such row of the record is read
+RUN_PARAMETERS = (
+    "string[1].inertia.axial",
+    "string[0].torsional_stiffness",
+    "formation.bit_law.static",
+    "formation.bit_law.speed",
+)
+LAG, THINNED = 0.02, 5
 PARAMETERS = {
     "bit inertia [kg m2]": 0.008,
     "shaft stiffness [N m/rad]": 4.0,
@@ -220,8 +234,43 @@ def fit(record: Record, start: float = FITTED) -> dict[str, float]:
     return dict(zip(PARAMETERS, map(float, found.x), strict=False))
 
 
+# ---------------------------------------------------------------------- the run itself, fitted to a short part
+def fit_by_run(record: Record, begins: float = 1.0, length: float = 0.7) -> tuple[RunCalibration, Fit]:
+    """Fit `RUN_PARAMETERS` to 0.7 s of bit speed, top speed and torque on bit by `calibrate --model dynamic`.
+
+    The record begins in the middle of stick-slip.  Its first rise of the bit speed through the mean in the fitted window is put on the
+    first such rise of the case's run after ``begins`` [s].
+    """
+    run = run_of(drillpetsc.load_case(CASE / "case.yaml"), PETSc.COMM_SELF)
+    series = run_of(run.case, PETSc.COMM_SELF).series([], ["bit_speed"], end=begins + 1.0)
+    late = series.times > begins
+    part = (record.time >= FITTED) & (record.time < FITTED + LENGTH)
+    there = _first_rise(series.times[late], series.values[late, 0])
+    here = _first_rise(record.time[part], record.bit[part])
+    rows = np.flatnonzero((record.time >= here) & (record.time < here + length))[::THINNED]
+    torque = np.interp(record.time[rows] + LAG, record.time, record.torque)
+    read = {"bit_speed": record.bit[rows], "top_speed": record.top[rows], "bit_torque": torque}
+    log = LogSeries(
+        path_of_record(),
+        tuple(read),
+        np.repeat(np.arange(len(read)), len(rows)),
+        np.tile(record.time[rows] - here + there, len(read)),
+        np.concatenate(list(read.values())),
+        np.array([scatter_of_rows(values) for values in read.values()]),
+        (),
+    )
+    work = RunCalibration(run, log)
+    return work, fit_run(work, RUN_PARAMETERS, True, {})
+
+
+def _first_rise(time: np.ndarray, speed: np.ndarray) -> float:
+    """First time [s] at which the speed rises through its mean."""
+    return float(time[np.flatnonzero((speed[:-1] < speed.mean()) & (speed[1:] >= speed.mean()))[0]])
+
+
 def main() -> None:
     """Write windows.csv and print the fitted parameters."""
+    initialise_petsc()
     record = read_record(path_of_record())
     with (CASE / "windows.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -236,6 +285,8 @@ def main() -> None:
             )
     for name, value in fit(record).items():
         print(f"{name}: {value:.3g}")
+    work, found = fit_by_run(record)
+    print("by the run, 0.7 s:", *lines_of_fit(work, found), sep="\n")
 
 
 if __name__ == "__main__":

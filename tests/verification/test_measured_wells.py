@@ -23,6 +23,7 @@ from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
+from drillpetsc.parallel import initialise_petsc
 from drillpetsc.units import to_si
 from tests.helpers.records import record
 
@@ -299,6 +300,16 @@ def test_rig_parameters_are_fitted() -> None:
     ]
     rel = bands("ufrj-rig")["fitted again from the record, relative"]
     assert found[:10] == pytest.approx(given, rel=rel, abs=1e-6)
+
+
+def test_rig_law_by_the_run_itself() -> None:
+    """0.7 s tell the bit law, which the balances of torque found without a run; they do not tell inertia from stiffness."""
+    initialise_petsc()
+    work, found = measured_rig.fit_by_run(measured_rig.read_record(record(measured_rig.NAME)))
+    assert set(found.reasons) == set(measured_rig.RUN_PARAMETERS[:2])
+    for name in measured_rig.RUN_PARAMETERS[2:]:
+        i = found.parameters.index(name)
+        assert abs(found.value[i] - work.default(name)) <= found.interval[i]
 
 
 def test_rig_with_the_default_slip_velocity_is_doubtful() -> None:
