@@ -11,7 +11,7 @@ import pytest
 
 from drillpetsc.cli import main
 from drillpetsc.operations import OPERATIONS
-from tests.helpers.command import drillpetsc, in_own_process
+from tests.helpers.command import drillpetsc, in_own_process, succeeds
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -148,14 +148,12 @@ def test_a_bad_option_on_two_ranks_is_refused_without_an_abort(folder):
 
 def test_the_last_step_of_max_steps_can_be_continued(folder):
     """Five steps, a message with the time, exit status 1; without the option --restart comes to the end."""
-    whole = drillpetsc("run case.yaml --out whole", cwd=folder)
-    assert whole.returncode == 0, whole.stderr
+    succeeds("run case.yaml --out whole", cwd=folder)
     done = drillpetsc("run case.yaml --out steps -ts_max_steps 5", cwd=folder)
     assert done.returncode == 1 and "5 steps of -ts_max_steps" in done.stderr
     summary = json.loads((folder / "steps" / "summary.json").read_text())
     assert summary["steps"] == 5 and 0 < summary["time"] < 0.02
-    again = drillpetsc("run case.yaml --out steps --restart", cwd=folder)
-    assert again.returncode == 0, again.stderr
+    succeeds("run case.yaml --out steps --restart", cwd=folder)
     one, other = (folder / name / "history.csv" for name in ("whole", "steps"))
     assert one.read_bytes() == other.read_bytes()
 
@@ -166,8 +164,7 @@ def test_the_help_offers_what_is_accepted(folder):
     offered = re.search(r"-ts_type ([\w, ]+) integrate", text)
     assert offered
     for kind in offered[1].split(", "):
-        done = drillpetsc("run case.yaml --out", kind, "-ts_type", kind, cwd=folder)
-        assert done.returncode == 0, done.stderr
+        succeeds("run case.yaml --out", kind, "-ts_type", kind, cwd=folder)
     for command in ("view", "plot", "schema"):
         assert "PETSc" not in drillpetsc(command, "--help", cwd=folder).stdout
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_series, read_table
-from tests.helpers.command import drillpetsc, in_own_process, python
+from tests.helpers.command import drillpetsc, in_own_process, python, succeeds
 
 CASE = """
 title: small
@@ -92,7 +92,7 @@ def test_runs_without_out_are_numbered(finished):
     )
     (finished / "short.yaml").write_text(short)
     for _ in range(2):
-        assert drillpetsc("run short.yaml", cwd=finished).returncode == 0
+        succeeds("run short.yaml", cwd=finished)
     assert len(list((finished / "results").glob("short-*"))) == 2
 
 
@@ -100,9 +100,8 @@ def test_a_run_stopped_at_a_checkpoint_goes_on_identically(finished):
     """The first half, then --restart with the whole case: the history equals the uninterrupted one to the
     last digit."""
     (finished / "half.yaml").write_text(CASE.replace("end: 0.2 s", "end: 0.1 s"))
-    assert drillpetsc("run half.yaml --out parts -ts_rtol 1e-3", cwd=finished).returncode == 0
-    done = drillpetsc("run small.yaml --out parts --restart -ts_rtol 1e-3", cwd=finished)
-    assert done.returncode == 0, done.stderr
+    succeeds("run half.yaml --out parts -ts_rtol 1e-3", cwd=finished)
+    succeeds("run small.yaml --out parts --restart -ts_rtol 1e-3", cwd=finished)
     whole, parts = (read_table(finished / name / "history.csv") for name in ("run", "parts"))
     for column in whole:
         assert np.array_equal(whole[column], parts[column]), column
@@ -146,8 +145,7 @@ def test_statics_motion_changes_the_hook_load(finished):
     area = np.pi / 4 * np.array([0.127**2 - 0.1086**2, 0.1715**2 - 0.0714**2])
     weight = 7850 * 9.80665 * float(area @ [30, 20])
     for motion, sign in (("hoist", 1), ("lower", -1)):
-        done = drillpetsc("statics small.yaml --motion", motion, "--out", f"statics-{motion}", cwd=finished)
-        assert done.returncode == 0, done.stderr
+        succeeds("statics small.yaml --motion", motion, "--out", f"statics-{motion}", cwd=finished)
         summary = json.loads((finished / f"statics-{motion}" / "summary.json").read_text())
         expected = weight * (0.5 + sign * 0.2 * np.sin(np.pi / 3))
         # the top drive itself carries a little of the side load: 1 % (a soft string has no such end)

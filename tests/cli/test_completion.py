@@ -7,12 +7,12 @@ import subprocess
 
 import pytest
 
-from drillpetsc.cli import main
+from tests.helpers.command import main_succeeds
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
 def test_bash_offers_commands_options_and_words(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["completion"]) == 0
+    main_succeeds("completion")
     script = capsys.readouterr().out
 
     def offered(*words: str) -> list[str]:

@@ -14,6 +14,7 @@ import pytest
 
 from drillpetsc.cli import main
 from drillpetsc.output.files.tables import read_table
+from tests.helpers.command import main_succeeds
 
 CASE = """
 title: a short string
@@ -56,19 +57,7 @@ def start(folder, *words: str, **keywords) -> subprocess.Popen:
 
 
 def test_standard_input_gives_what_the_file_gives(folder):
-    assert (
-        main(
-            [
-                "follow",
-                str(folder / "case.yaml"),
-                "--log",
-                str(folder / "rig.csv"),
-                "--out",
-                str(folder / "file"),
-            ]
-        )
-        == 0
-    )
+    main_succeeds("follow", folder / "case.yaml", "--log", folder / "rig.csv", "--out", folder / "file")
     piped = start(folder, "--log", "-", "--out", str(folder / "pipe"), stdin=subprocess.PIPE)
     said, error = piped.communicate("\n".join(lines()) + "\n", timeout=120)
     assert piped.returncode == 0, error
@@ -160,7 +149,7 @@ def test_wits_frames_give_what_the_file_gives(folder, server, system):
     port = server("\r\n".join(rows[:cut]), "\r\n".join(rows[cut - 1500 :]) + "\r\n")
     main(["follow", case, "--log", str(folder / "rig.csv"), "--out", str(folder / "file")])
     name = f"wits:127.0.0.1:{port}" + (":fps" if system == "fps" else "")
-    assert main(["follow", case, "--log", name, "--wait", "4 s", "--out", str(folder / "wits")]) == 0
+    main_succeeds("follow", case, "--log", name, "--wait", "4 s", "--out", folder / "wits")
     table, other = (read_table(folder / q / "follow.csv") for q in ("file", "wits"))
     assert (table["operation [-]"] == other["operation [-]"]).all()
     for name in ("hook_load [N]", "cased [-]", "block_weight [N]", "time [s]"):
@@ -192,9 +181,7 @@ def test_wits_frames_without_a_clock(folder, server):
     rows = [q for q in frames("metric") if not q.startswith(("0105", "0106"))]
     port = server("\r\n".join(rows) + "\r\n")
     out = folder / "out"
-    assert (
-        main(["follow", str(folder / "case.yaml"), "--log", f"wits:127.0.0.1:{port}", "--out", str(out)]) == 0
-    )
+    main_succeeds("follow", folder / "case.yaml", "--log", f"wits:127.0.0.1:{port}", "--out", out)
     notes = json.loads((out / "summary.json").read_text())["notes"]
     assert any("time of their arrival" in q for q in notes)
 
@@ -206,9 +193,7 @@ def test_a_wits_clock_that_jumps_ahead(folder, server):
     rows[places[100]] = "0106235959"
     port = server("\r\n".join(rows) + "\r\n")
     out = folder / "out"
-    assert (
-        main(["follow", str(folder / "case.yaml"), "--log", f"wits:127.0.0.1:{port}", "--out", str(out)]) == 0
-    )
+    main_succeeds("follow", folder / "case.yaml", "--log", f"wits:127.0.0.1:{port}", "--out", out)
     summary = json.loads((out / "summary.json").read_text())
     assert summary["rows"] == len(places) - 1 and not summary["rows_left_out"]
     assert any("jumped ahead" in q for q in summary["notes"])

@@ -10,7 +10,7 @@ import pytest
 from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import drillpetsc, succeeds
 
 CASE = """
 title: small well
@@ -34,15 +34,13 @@ def folder(tmp_path_factory) -> Path:
     """A folder with small.yaml and both commands done once."""
     path = tmp_path_factory.mktemp("hydraulics")
     (path / "small.yaml").write_text(CASE)
-    done = drillpetsc("hydraulics small.yaml --flow '400,500 gpm' --units field --out h", cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("hydraulics small.yaml --flow '400,500 gpm' --units field --out h", cwd=path)
     assert "psi" in done.stdout and "ppg" in done.stdout and "HSI" not in done.stderr
     assert "MD 4758.86 ft" in done.stdout and "Open hole, limit passed: none; none" in done.stdout
-    done = drillpetsc(
+    done = succeeds(
         "surge small.yaml --speeds '30,60 ft/min' --pipe closed,open,pumping --out s",
         cwd=path,
     )
-    assert done.returncode == 0, done.stderr
     assert "largest trip speed" in done.stdout and "m/min" in done.stdout
     return path
 
@@ -99,8 +97,7 @@ def test_pictures_and_a_second_plot(folder: Path):
 
 
 def test_the_case_in_the_folder_gives_the_same_again(folder: Path):
-    done = drillpetsc("hydraulics h/case.yaml --flow '400,500 gpm' --out h2", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeds("hydraulics h/case.yaml --flow '400,500 gpm' --out h2", cwd=folder)
     assert (folder / "h" / "hydraulics.csv").read_text() == (folder / "h2" / "hydraulics.csv").read_text()
 
 
@@ -108,8 +105,7 @@ def test_a_string_without_hole_and_nozzles(folder: Path):
     text = "string: [{kind: pipe, length: 100 m, od: 127 mm, id: 108.6 mm}]\ntop: clamped\n"
     text += "fluid: {density: 1000 kg/m3, rheology: {model: newtonian, viscosity: 1 cP}, flow_rate: 0.02}\n"
     (folder / "bare.yaml").write_text(text)
-    done = drillpetsc("hydraulics bare.yaml --out bare", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("hydraulics bare.yaml --out bare", cwd=folder)
     assert "no annulus" in done.stdout and "no nozzles" in done.stdout and "ECD" not in done.stdout
     assert {f.stem for f in (folder / "bare" / "plots").glob("*.png")} == {
         "flow_curve",
@@ -121,11 +117,9 @@ def test_a_string_without_hole_and_nozzles(folder: Path):
 def test_an_existing_folder_needs_overwrite(folder: Path):
     refused = drillpetsc("hydraulics small.yaml --out h", cwd=folder)
     assert refused.returncode == 2 and "exists" in refused.stderr
-    done = drillpetsc("hydraulics small.yaml --spp '80 bar' --out over", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("hydraulics small.yaml --spp '80 bar' --out over", cwd=folder)
     assert "80 bar" in " ".join(done.stdout.split())
-    done = drillpetsc("surge small.yaml --speeds '1 m/s' --out over --overwrite", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("surge small.yaml --speeds '1 m/s' --out over --overwrite", cwd=folder)
     assert not (folder / "over" / "hydraulics.csv").exists() and (folder / "over" / "surge.csv").exists()
 
 

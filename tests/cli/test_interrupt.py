@@ -15,7 +15,7 @@ import pytest
 
 from drillpetsc.analysis.motion.run_control import NOTHING, SAVE, STOP, WRITE, RunControl
 from drillpetsc.output import read_frame, read_series, read_table
-from tests.helpers.command import ENVIRONMENT, drillpetsc
+from tests.helpers.command import ENVIRONMENT, succeeds
 
 CASE = """
 title: for interruption
@@ -41,8 +41,7 @@ def start(folder: Path, *words: str, command: str = "run") -> subprocess.Popen:
 
 def finish(folder: Path, *words: str, command: str = "run") -> str:
     """The same in this process, to its end; returns what it prints."""
-    done = drillpetsc(command, *words, "--progress", "silent", cwd=folder)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = succeeds(command, *words, "--progress", "silent", cwd=folder)
     return done.stdout
 
 

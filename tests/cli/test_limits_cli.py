@@ -11,7 +11,7 @@ import pytest
 from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import drillpetsc, succeeds
 
 CASE = """
 title: small well
@@ -36,8 +36,7 @@ def folder(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("limits")
     (path / "small.yaml").write_text(CASE)
     words = ("limits", "small.yaml", "--operation", "Drilling", "--units", "field", "--out", "r")
-    done = drillpetsc(*words, cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds(*words, cwd=path)
     (path / "screen.txt").write_text(done.stdout)
     return path
 
@@ -87,8 +86,7 @@ def test_bad_options_are_answered_in_words(folder: Path, words, text):
 
 
 def test_overwriting_removes_the_tables(folder: Path):
-    done = drillpetsc("limits small.yaml --operation rob --out twice", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("limits small.yaml --operation rob --out twice", cwd=folder)
     assert "rotating off bottom" in done.stdout
     done = drillpetsc("limits small.yaml --operation rob --out twice", cwd=folder)
     assert done.returncode == 2 and "exists" in done.stderr
@@ -97,8 +95,7 @@ def test_overwriting_removes_the_tables(folder: Path):
 
 
 def test_free_point(folder: Path):
-    done = drillpetsc("freepoint small.yaml --stretch '1,2.2 in' --pull '30,60 kN'", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("freepoint small.yaml --stretch '1,2.2 in' --pull '30,60 kN'", cwd=folder)
     assert done.stdout.count("below the top (drill pipe)") == 3 and "line through them" in done.stdout
     done = drillpetsc("freepoint small.yaml --stretch 4 --pull '60 kN'", cwd=folder)
     assert done.returncode == 2 and "a number with a unit" in done.stderr

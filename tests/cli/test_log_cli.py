@@ -12,6 +12,7 @@ from drillpetsc.case.files.measured_file import read_measured
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.tables import read_table
+from tests.helpers.command import main_succeeds
 
 
 @pytest.fixture
@@ -26,7 +27,7 @@ def log(tmp_path):
 
 def test_import_log_writes_its_folder(log, tmp_path, capsys):
     out = tmp_path / "out"
-    assert main(["import", "log", str(log), "--out", str(out), "--every", "5m"]) == 0
+    main_succeeds("import", "log", log, "--out", out, "--every", "5m")
     text = capsys.readouterr().out
     assert "200 rows by depth" in text and "not used: who" in text and "drilling 200" in text
     assert {q.name for q in out.iterdir() if q.suffix != ".parquet"} == {
@@ -62,7 +63,7 @@ def test_a_log_without_points_is_doubtful(tmp_path, capsys):
     ):
         (tmp_path / "rig.csv").write_text(head + "\n".join(rows))
         out = tmp_path / "out"
-        assert main(["import", "log", str(tmp_path / "rig.csv"), "--out", str(out), "--overwrite"]) == 0
+        main_succeeds("import", "log", tmp_path / "rig.csv", "--out", out, "--overwrite")
         text = capsys.readouterr().out
         assert "WARNING: the log makes no points for calibrate" in text and why in text
         assert any(why in q for q in json.loads((out / "quality.json").read_text())["warnings"])
@@ -99,7 +100,7 @@ def test_import_log_in_python(log, tmp_path):
 
 def test_a_data_frame_of_the_log(log, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
-    assert main(["import", "log", str(log), "--out", str(tmp_path / "out")]) == 0
+    main_succeeds("import", "log", log, "--out", tmp_path / "out")
     table = parquet.read_table(tmp_path / "out" / "log.parquet")
     np.testing.assert_array_equal(table["torque [N m]"].to_numpy(), np.full(200, 12e3))
     assert set(table["state [-]"].to_pylist()) == {"drilling"}
@@ -143,38 +144,10 @@ rig: {block_weight: 300 kN}
     log = tmp_path / "rig.csv"
     log.write_text("\n".join(rows))
     out = [tmp_path / name for name in ("points", "a", "b")]
-    assert main(["import", "log", str(log), "--case", str(case), "--out", str(out[0]), "--every", "2m"]) == 0
-    assert (
-        main(
-            [
-                "calibrate",
-                str(case),
-                "--log",
-                str(log),
-                "--every",
-                "2m",
-                "--fit",
-                "open_hole",
-                "--out",
-                str(out[1]),
-            ]
-        )
-        == 0
-    )
-    assert (
-        main(
-            [
-                "calibrate",
-                str(case),
-                "--measured",
-                str(out[0] / "points.csv"),
-                "--fit",
-                "open_hole",
-                "--out",
-                str(out[2]),
-            ]
-        )
-        == 0
+    main_succeeds("import", "log", log, "--case", case, "--out", out[0], "--every", "2m")
+    main_succeeds("calibrate", case, "--log", log, "--every", "2m", "--fit", "open_hole", "--out", out[1])
+    main_succeeds(
+        "calibrate", case, "--measured", out[0] / "points.csv", "--fit", "open_hole", "--out", out[2]
     )
     first, second = (json.loads((folder / "summary.json").read_text()) for folder in out[1:])
     assert (

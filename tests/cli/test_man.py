@@ -8,13 +8,13 @@ import subprocess
 
 import pytest
 
-from drillpetsc.cli import main
 from drillpetsc.operations import OPERATIONS
 from drillpetsc.operations.operation import Mark
+from tests.helpers.command import main_succeeds
 
 
 def page(capsys) -> str:
-    assert main(["man"]) == 0
+    main_succeeds("man")
     return capsys.readouterr().out
 
 

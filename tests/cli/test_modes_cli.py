@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_table
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import drillpetsc, succeeds
 from tests.helpers.mpi import have_mpi, run_mpi
 
 CASE = """
@@ -35,8 +35,7 @@ def folder(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("modes")
     (folder / "wet.yaml").write_text(CASE)
     (folder / "dry.yaml").write_text(CASE.split("fluid:")[0])
-    done = drillpetsc("modes wet.yaml --out run --count 8", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("modes wet.yaml --out run --count 8", cwd=folder)
     assert "rotation at 60 rpm" in done.stdout and "results: run" in done.stdout
     return folder
 
@@ -67,8 +66,7 @@ def test_modes_of_one_kind(folder):
     """--kind fluid leaves the lateral ones out.  Bore (closed by the pump) and annulus (open) of one length
     and areas A1, A2: tan^2(2 pi f L/a) = A2/A1, with 1291 m/s in the mud alone lowered by the walls' give, at
     most by a tenth."""
-    done = drillpetsc("modes wet.yaml --out fluid --kind fluid --count 3", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    succeeds("modes wet.yaml --out fluid --kind fluid --count 3", cwd=folder)
     table = read_table(folder / "fluid" / "modes.csv")
     assert set(table["kind [-]"]) == {"fluid"}
     phase = np.arctan(np.sqrt((0.3**2 - 0.127**2) / 0.1086**2))
@@ -81,14 +79,13 @@ def test_rest_and_nearest(folder):
     """--about rest has no rotation; --shift finds the torsion of a pipe held at the top, f =
     sqrt(G/rho)/4L."""
     wave = np.sqrt(206e9 / 2.6 / 7850) / 800
-    done = drillpetsc(
+    done = succeeds(
         "modes dry.yaml --out near --about rest --shift",
         f"{wave:.4f}",
         "--count",
         "2",
         cwd=folder,
     )
-    assert done.returncode == 0, done.stderr
     assert "modes about rest" in done.stdout
     table = read_table(folder / "near" / "modes.csv")
     here = list(table["kind [-]"]).index("torsional")

@@ -22,6 +22,7 @@ from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.answer import answer, checks
 from drillpetsc.reporting.results import Run
 from drillpetsc.reporting.units import in_units, texts, unit_of
+from tests.helpers.command import main_succeeds
 
 CASE = """
 title: '<script>alert(1)</script> $x_{ & "quoted" '
@@ -80,10 +81,10 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "case.yaml").write_text(CASE + MUD + "time: {end: 0.05 s}\noutput: {probes: [1500]}\n")
     (folder / "dry.yaml").write_text(CASE)
     case = str(folder / "case.yaml")
-    assert main(["statics", case, "--out", str(folder / "still")]) == 0
-    assert main(["statics", str(folder / "dry.yaml"), "--out", str(folder / "dry")]) == 0
-    assert main(["hydraulics", case, "--out", str(folder / "flow")]) == 0
-    assert main(["run", case, "--out", str(folder / "move"), "--progress", "silent"]) == 0
+    main_succeeds("statics", case, "--out", folder / "still")
+    main_succeeds("statics", folder / "dry.yaml", "--out", folder / "dry")
+    main_succeeds("hydraulics", case, "--out", folder / "flow")
+    main_succeeds("run", case, "--out", folder / "move", "--progress", "silent")
     return folder
 
 
@@ -92,7 +93,7 @@ def page(runs: Path) -> str:
     paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("SOURCE_DATE_EPOCH", "86400")
-        assert main(["report", *paths, "--out", str(runs / "all.html")]) == 0
+        main_succeeds("report", *paths, "--out", runs / "all.html")
     return (runs / "all.html").read_text(encoding="utf-8")
 
 
@@ -113,7 +114,7 @@ def test_pictures_zoom_where_asked_for(runs: Path) -> None:
     """One script of plotly, and a figure as JSON for each picture of lines; titles with markup cannot end a script."""
     pytest.importorskip("plotly")
     file = runs / "zoom.html"
-    assert main(["report", str(runs / "still"), "--interactive", "--out", str(file)]) == 0
+    main_succeeds("report", runs / "still", "--interactive", "--out", file)
     text = file.read_text(encoding="utf-8")
     figures = [
         json.loads(part) for part in re.findall(r'<script type="application/json">(.*?)</script>', text)
@@ -174,14 +175,14 @@ def test_tables_go_along_as_they_are(page: str, runs: Path) -> None:
 def test_same_input_same_bytes(page: str, runs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     paths = [str(runs / name) for name in ("case.yaml", "still", "flow", "move")]
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    assert main(["report", *paths, "--out", str(runs / "again.html")]) == 0
+    main_succeeds("report", *paths, "--out", runs / "again.html")
     assert (runs / "again.html").read_text(encoding="utf-8") == page and "1970-01-02" in page
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
     assert main(["report", *paths, "--out", str(runs / "third.html")]) == 2
 
 
 def test_missing_sections_say_why(runs: Path) -> None:
-    assert main(["report", str(runs / "dry"), "--units", "metric"]) == 0
+    main_succeeds("report", runs / "dry", "--units", "metric")
     words = Page((runs / "dry" / "report.html").read_text()).words
     assert words.count("no mud in this case") == 3  # mud, hydraulics, surge
     assert "no run folder of this report holds history.csv; 'drillpetsc run CASE.yaml' writes it" in words
@@ -192,28 +193,13 @@ def test_missing_sections_say_why(runs: Path) -> None:
 def test_an_operation_is_no_other_case(command: str, runs: Path) -> None:
     """The bottom and the weight on bit that an operation sets are those of its words, not of another file."""
     folder = runs / f"{command}-off-bottom"
-    assert main([command, str(runs / "case.yaml"), "--operation", "trip_out", "--out", str(folder)]) == 0
-    assert (
-        main(
-            [
-                "report",
-                str(runs / "case.yaml"),
-                str(folder),
-                "--sections",
-                "solver",
-                "--out",
-                str(runs / "o.html"),
-            ]
-        )
-        == 0
-    )
+    main_succeeds(command, runs / "case.yaml", "--operation", "trip_out", "--out", folder)
+    main_succeeds("report", runs / "case.yaml", folder, "--sections", "solver", "--out", runs / "o.html")
     assert "another case" not in Page((runs / "o.html").read_text()).words
 
 
 def test_sections_are_chosen(runs: Path) -> None:
-    assert (
-        main(["report", str(runs / "dry"), "--sections", "string,solver", "--out", str(runs / "s.html")]) == 0
-    )
+    main_succeeds("report", runs / "dry", "--sections", "string,solver", "--out", runs / "s.html")
     text = (runs / "s.html").read_text()
     assert re.findall(r"<h2>([^<]+)</h2>", text)[-2:] == ["String", "Solver"] and "<h2>Well" not in text
 
@@ -230,7 +216,7 @@ def test_warnings_come_first(runs: Path) -> None:
     }
     (doubtful / "summary.json").write_text(json.dumps(summary))
     (doubtful / "roadmap.csv").write_text("bit_depth [m],status [-]\n100,ok\n200,failed\n")
-    assert main(["report", str(runs / "still"), str(doubtful), "--out", str(runs / "w.html")]) == 0
+    main_succeeds("report", runs / "still", doubtful, "--out", runs / "w.html")
     text = (runs / "w.html").read_text()
     warned = text[text.index('id="warnings"') : text.index("<nav>")]
     for words in (
@@ -254,7 +240,7 @@ def test_margins_of_limits_have_units_and_places(runs: Path) -> None:
     margin = {"margin": 444822.16152605, "md": 304.8, "item": "HWDP", "ratio": 2.0}
     (folder / "summary.json").write_text(json.dumps({"margin_of_overpull": margin, "notes": ["mind <that>"]}))
     (folder / "contacts.csv").write_text("item [-],md [m],side_force [N]\nHWDP,304.8,1000\n")
-    assert main(["report", str(folder), "--sections", "limits", "--out", str(runs / "l.html")]) == 0
+    main_succeeds("report", folder, "--sections", "limits", "--out", runs / "l.html")
     words = Page((runs / "l.html").read_text()).words
     assert (
         "Margin of overpull 100 klbf 1000 HWDP" in words
@@ -309,7 +295,7 @@ def test_units_of_columns() -> None:
 def test_a_command_writes_its_report_at_once(runs: Path, tmp_path: Path) -> None:
     out = tmp_path / "flow"
     words = ["hydraulics", str(runs / "case.yaml"), "--out", str(out), "--units", "field", "--report"]
-    assert main(words) == 0
+    main_succeeds(*words)
     read = Page((out / "report.html").read_text(encoding="utf-8"))
     assert "psi" in read.words and "hydraulics" in read.words.lower()
     assert not (runs / "flow" / "report.html").exists()
@@ -317,13 +303,10 @@ def test_a_command_writes_its_report_at_once(runs: Path, tmp_path: Path) -> None
 
 def test_the_command_export(runs: Path, capsys: pytest.CaptureFixture, tmp_path: Path) -> None:
     out = tmp_path / "tables"
-    assert (
-        main(["export", str(runs / "move"), "--units", "field", "--columns", "hook_load", "--out", str(out)])
-        == 0
-    )
+    main_succeeds("export", runs / "move", "--units", "field", "--columns", "hook_load", "--out", out)
     assert capsys.readouterr().out.split() == [str(out / "history.csv")]
     assert "Hook load [klbf]" in (out / "history.csv").read_text().splitlines()[0]
-    assert main(["export", str(runs / "move"), "--format", "las", "--out", str(out)]) == 0
+    main_succeeds("export", runs / "move", "--format", "las", "--out", out)
     assert "history.las" in capsys.readouterr().out
     assert main(["export", str(runs / "move"), "--columns", ",", "--out", str(out)]) == 2
     assert main(["export", str(runs / "nowhere")]) == 2
@@ -363,9 +346,9 @@ def test_the_box_compares_with_the_limits_of_rig_string_and_hole(tmp_path: Path)
     text = re.sub(r"- {kind: pipe.*", f"- {pipe}", text)
     (tmp_path / "case.yaml").write_text(rig.replace("HOOK", "900") + text)
     for command in ("roadmap", "limits", "hydraulics"):
-        assert main([command, str(tmp_path / "case.yaml"), "--out", str(tmp_path / command)]) == 0
+        main_succeeds(command, tmp_path / "case.yaml", "--out", tmp_path / command)
     surge = ["--speeds", "60", "--window", "9.5,11", "--out", str(tmp_path / "surge")]
-    assert main(["surge", str(tmp_path / "case.yaml"), *surge]) == 0
+    main_succeeds("surge", tmp_path / "case.yaml", *surge)
     runs = [Run.open(tmp_path / name) for name in ("roadmap", "limits", "hydraulics", "surge")]
     table = read_table(tmp_path / "roadmap" / "roadmap.csv")
     heaviest = float(table["hook_load_total [N]"].max())
@@ -397,19 +380,14 @@ def test_the_box_compares_with_the_limits_of_rig_string_and_hole(tmp_path: Path)
     assert pulled.limit == fastest and pulled.value == pytest.approx(100 * 0.3048 / 60)
     assert pulled.state == ("exceeded" if pulled.value > fastest else pulled.state)
     page = tmp_path / "page.html"
-    assert (
-        main(
-            [
-                "report",
-                str(tmp_path / "case.yaml"),
-                *[str(run.folder.path) for run in runs],
-                "--sections",
-                "solver",
-                "--out",
-                str(page),
-            ]
-        )
-        == 0
+    main_succeeds(
+        "report",
+        tmp_path / "case.yaml",
+        *[run.folder.path for run in runs],
+        "--sections",
+        "solver",
+        "--out",
+        page,
     )
     assert "Limit exceeded: Hook load" in Page(page.read_text(encoding="utf-8")).words
 
@@ -421,7 +399,7 @@ def test_ecd_is_compared_within_the_window_of_the_open_hole(tmp_path: Path) -> N
     for frac in (11.5, 10.2):
         (tmp_path / "case.yaml").write_text(CASE + MUD + window.replace("FRAC", str(frac)))
         out = tmp_path / f"flow{frac}"
-        assert main(["hydraulics", str(tmp_path / "case.yaml"), "--out", str(out)]) == 0
+        main_succeeds("hydraulics", tmp_path / "case.yaml", "--out", out)
         found = {c.name: c for c in checks([Run.open(out)], load_case(tmp_path / "case.yaml"))}
         table, ppg, ft = read_table(out / "pressure_profile.csv"), 0.45359237 / 3.785411784e-3, 0.3048
         below = (table["md [m]"] >= 500 * ft - 1e-6) & np.isfinite(table["ecd [kg/m3]"])

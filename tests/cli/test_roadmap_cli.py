@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.output import conditions, read_table
 from drillpetsc.output.catalogue import listed_by_file, records
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import drillpetsc, succeeds
 
 CASE = """
 title: build and hold
@@ -45,11 +45,9 @@ def folder(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("roadmap")
     (path / "well.yaml").write_text(CASE)
     (path / "log.csv").write_text(LOG)
-    done = drillpetsc("roadmap well.yaml --measured log.csv --out r", cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("roadmap well.yaml --measured log.csv --out r", cwd=path)
     assert "klbf" in done.stdout and "bit at MD 9000 ft" in done.stdout and "0.25 / 0.3" in done.stdout
-    done = drillpetsc("calibrate well.yaml --measured log.csv --out c", cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("calibrate well.yaml --measured log.csv --out c", cwd=path)
     assert "95 % interval" in done.stdout and "correlation" in done.stdout
     return path
 
@@ -76,8 +74,7 @@ def test_pictures(folder: Path):
 
 def test_field_numbers_are_those_of_si(folder: Path, tmp_path: Path):
     """The case that the run left, all in SI, gives the same table to 1e-9."""
-    done = drillpetsc("roadmap", str(folder / "r" / "case.yaml"), "--out", str(tmp_path / "si"), cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    succeeds("roadmap", str(folder / "r" / "case.yaml"), "--out", str(tmp_path / "si"), cwd=tmp_path)
     a, b = read_table(folder / "r" / "roadmap.csv"), read_table(tmp_path / "si" / "roadmap.csv")
     for title in a:
         if a[title].dtype.kind == "f":

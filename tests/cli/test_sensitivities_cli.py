@@ -12,6 +12,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from tests.cli.test_cli import drillpetsc
 from tests.cli.test_limits_cli import CASE
+from tests.helpers.command import succeeds
 
 TO = "well.sections[0].friction,fluid.density,string[bit].nozzle_area"
 
@@ -22,8 +23,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("sensitivities")
     (path / "small.yaml").write_text(CASE + "roadmap: {operations: [trip_out, drilling]}\n")
     words = ("--analysis", "roadmap", "--to", TO, "--units", "field", "--check", "2", "--out", "r")
-    done = drillpetsc("sensitivities", "small.yaml", *words, cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("sensitivities", "small.yaml", *words, cwd=path)
     (path / "screen").write_text(done.stdout)
     return path
 

@@ -10,7 +10,7 @@ import pytest
 
 from drillpetsc.output import read_table
 from drillpetsc.studies.convergence.study import study
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import drillpetsc, succeeds
 
 INERTIA, STIFFNESS, SPEED, RAMP = 2.0, 800.0, 3.0, 0.6  # [kg m2], [N m/rad], [rad/s], [s]
 #: a disc of inertia J on a shaft of stiffness k, almost without inertia, turned from above
@@ -70,8 +70,7 @@ def test_curve_against_a_run_of_another_integrator(case_file, tmp_path):
     tolerance 100 times smaller gives a smaller error."""
     out = tmp_path / "out"
     words = "--curves bdf2 --few --repeats 1 --outputs bit_speed --reference bdf3 -ts_max_steps 100000"
-    done = drillpetsc(f"study {case_file} {words} --out {out}", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    succeeds(f"study {case_file} {words} --out {out}", cwd=tmp_path)
     reported = json.loads((out / "study.json").read_text(encoding="utf-8"))
     assert "bdf3" in reported["reference"]["what"]
     table = read_table(out / "study.csv")
@@ -112,8 +111,7 @@ def test_run_states_time_and_mesh_error(tmp_path):
         ),
         encoding="utf-8",
     )
-    done = drillpetsc("run shaft.yaml --out out --mesh-error --progress silent -ts_rtol 1e-5", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("run shaft.yaml --out out --mesh-error --progress silent -ts_rtol 1e-5", cwd=tmp_path)
     assert "mesh, against elements twice as long" in done.stdout
     reported = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["error_estimate"]
     assert reported["mesh"]["elements"] == 4
@@ -133,8 +131,7 @@ def test_run_checks_its_tolerance(case_file, tmp_path):
     says what would change, or that nothing does."""
     for tolerance, verdict in (("5e-2", "not fine enough"), ("1e-6", "the same classes of motion")):
         words = f"--out {tolerance} --check-tolerance --progress silent -ts_rtol {tolerance}"
-        done = drillpetsc(f"run {case_file} {words}", cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+        done = succeeds(f"run {case_file} {words}", cwd=tmp_path)
         assert verdict in done.stdout
         fine = json.loads((tmp_path / tolerance / "fine-tolerance" / "summary.json").read_text("utf-8"))
         assert float(fine["petsc_options"]["ts_rtol"]) == pytest.approx(float(tolerance) / 10)

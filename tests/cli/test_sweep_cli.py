@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_table
-from tests.helpers.command import drillpetsc, in_own_process
+from tests.helpers.command import drillpetsc, in_own_process, succeeds
 
 CASE = """
 title: small
@@ -37,8 +37,7 @@ def swept(tmp_path_factory) -> Path:
     """A folder with a 2 x 2 sweep, in sweep/."""
     folder = tmp_path_factory.mktemp("sweep")
     (folder / "small.yaml").write_text(CASE)
-    done = drillpetsc("sweep small.yaml", *WORDS, "--out", "sweep", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("sweep small.yaml", *WORDS, "--out", "sweep", cwd=folder)
     assert "4 of 4 members done" in done.stdout and "sweep/sweep.csv" in done.stdout
     lines = [line for line in done.stderr.splitlines() if line.startswith("[")]
     assert len(lines) == 4 and lines[3].startswith(
@@ -101,7 +100,7 @@ def test_a_member_is_the_run_of_its_case(swept):
     (swept / "alone.yaml").write_text(
         CASE.replace("60 rpm", "90 rpm").replace("friction: 0.2", "friction: 0.3")
     )
-    assert drillpetsc("run alone.yaml --out alone", cwd=swept).returncode == 0
+    succeeds("run alone.yaml --out alone", cwd=swept)
     alone, member = (read_table(swept / name / "history.csv") for name in ("alone", "sweep/member-004"))
     assert all(np.array_equal(alone[title], member[title]) for title in alone)
 
@@ -156,8 +155,7 @@ def test_restart_runs_what_is_missing_and_continues_what_was_stopped(swept):
     (swept / "again" / "member-003" / "summary.json").unlink()
     untouched = (swept / "again" / "member-001" / "history.csv").stat().st_mtime_ns
     assert drillpetsc("sweep small.yaml", *WORDS, "--out", "again", cwd=swept).returncode == 2  # as with run
-    done = drillpetsc("sweep small.yaml", *WORDS, "--out", "again", "--restart", cwd=swept)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("sweep small.yaml", *WORDS, "--out", "again", "--restart", cwd=swept)
     assert len([line for line in done.stderr.splitlines() if line.startswith("[")]) == 2  # two members ran
     assert (swept / "again" / "member-001" / "history.csv").stat().st_mtime_ns == untouched
     whole, again = read_table(swept / "sweep" / "sweep.csv"), read_table(swept / "again" / "sweep.csv")

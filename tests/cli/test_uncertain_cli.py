@@ -12,6 +12,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.catalogue import outputs_by_file, records
 from tests.cli.test_cli import drillpetsc
 from tests.cli.test_limits_cli import CASE
+from tests.helpers.command import succeeds
 
 ROADMAP = "roadmap: {operations: [trip_out, drilling], bit_depth: [700 m, 990 m]}\n"
 FRICTION = "  well.sections[0].friction: {normal: [0.25, 0.03], correlated: {fluid.density: -0.4}}\n"
@@ -24,8 +25,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("uncertain")
     (path / "small.yaml").write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY)
     words = ("--samples", "40", "--method", "both", "--quantiles", "5,95", "--units", "field", "--out", "r")
-    done = drillpetsc("uncertain", "small.yaml", *words, cwd=path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("uncertain", "small.yaml", *words, cwd=path)
     (path / "screen").write_text(done.stdout)
     return path
 
@@ -109,7 +109,7 @@ def test_too_few_samples_for_the_numbers(tmp_path):
     (tmp_path / "small.yaml").write_text(CASE.replace(one, eleven) + ROADMAP + "uncertain:\n" + keys)
     done = drillpetsc("uncertain", "small.yaml", "--samples", "20", cwd=tmp_path)
     assert done.returncode == 2 and "at least 22" in done.stderr
-    assert drillpetsc("uncertain", "small.yaml", "--samples", "22", cwd=tmp_path).returncode == 0
+    succeeds("uncertain", "small.yaml", "--samples", "22", cwd=tmp_path)
 
 
 def test_hydraulics_has_one_depth_and_no_picture(tmp_path):
@@ -117,6 +117,5 @@ def test_hydraulics_has_one_depth_and_no_picture(tmp_path):
     (tmp_path / "small.yaml").write_text(
         CASE + "uncertain:\n  fluid.density: {normal: [1200 kg/m3, 5 kg/m3]}\n"
     )
-    done = drillpetsc("uncertain", "small.yaml", "--analysis", "hydraulics", "--samples", "20", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = succeeds("uncertain", "small.yaml", "--analysis", "hydraulics", "--samples", "20", cwd=tmp_path)
     assert "pump_pressure" in done.stdout and "nothing to plot" not in done.stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.cli import main
+from tests.helpers.command import main_succeeds
 
 
 @pytest.mark.parametrize("command", ["plot", "export"])
@@ -21,6 +21,6 @@ def test_a_run_that_is_not_complete(
     (tmp_path / "history.csv").write_text("time [s],hook_load [N]\n0,1\n0.1,2\n0.2,4\n")
     if status is not None:
         (tmp_path / "summary.json").write_text(json.dumps({"title": "x", "status": status}))
-    assert main([command, str(tmp_path)]) == 0
+    main_succeeds(command, tmp_path)
     err = capsys.readouterr().err
     assert ("the run is not complete" in err) is bool(said) and said in err

@@ -11,6 +11,7 @@ import pytest
 from drillpetsc.cli import main
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
+from tests.helpers.command import main_succeeds
 
 FOOT, LBF = 0.3048, 4.4482216152605
 
@@ -33,9 +34,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_check_in_units(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "case.yaml"]) == 0
+    main_succeeds("check", "case.yaml")
     assert "990 ft" in capsys.readouterr().out
-    assert main(["check", "case.yaml", "--units", "metric"]) == 0
+    main_succeeds("check", "case.yaml", "--units", "metric")
     assert f"{990 * FOOT:g} m" in capsys.readouterr().out
 
 
@@ -48,10 +49,7 @@ def test_statics_prints_units_and_writes_si(folder: Path, capsys: pytest.Capture
         ("metric_t", 9806.65, "t"),
         ("metric", 1e3, "kN"),
     ):
-        assert (
-            main(["statics", "case.yaml", "--out", f"run-{units}", *(["--units", units] if units else [])])
-            == 0
-        )
+        main_succeeds("statics", "case.yaml", "--out", f"run-{units}", *(["--units", units] if units else []))
         row = next(line.split() for line in capsys.readouterr().out.splitlines() if "hook load" in line)
         assert row[-1] == text and float(row[-2]) == pytest.approx(weight / size, rel=2e-3)
         summary = json.loads((folder / f"run-{units}" / "summary.json").read_text())
@@ -74,20 +72,20 @@ def test_pictures_have_the_units_of_the_case(folder: Path, monkeypatch: pytest.M
         return drawing
 
     monkeypatch.setattr(plot, "_along_depth", spy)
-    assert main(["statics", "case.yaml", "--out", "run"]) == 0
-    assert main(["plot", "run"]) == 0
+    main_succeeds("statics", "case.yaml", "--out", "run")
+    main_succeeds("plot", "run")
     assert seen[0] == "Measured depth [ft]" and seen[-1] == "990.0"
     assert any("[klbf]" in text for text in seen) and any("[kft-lbf]" in text for text in seen)
     assert any(text.startswith("Bending stress") and "[ksi]" in text for text in seen)
     seen.clear()
-    assert main(["plot", "run", "--units", "metric"]) == 0
+    main_succeeds("plot", "run", "--units", "metric")
     assert seen[0] == "Measured depth [m]" and any("[kN]" in text for text in seen)
     assert style.UNITS.get() is None
 
 
 def test_a_case_without_units_keeps_its_display(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "si.yaml").write_text("string: [{kind: pipe, length: 90, od: 0.127, id: 0.1}]\ntop: clamped\n")
-    assert main(["statics", "si.yaml", "--out", "run"]) == 0
+    main_succeeds("statics", "si.yaml", "--out", "run")
     row = next(line.split() for line in capsys.readouterr().out.splitlines() if "hook load" in line)
     assert row[-1] == "N"
     assert "units" not in (folder / "run" / "case.yaml").read_text()
@@ -102,7 +100,7 @@ def test_a_sweep_tells_the_units_of_bare_values(folder: Path) -> None:
     """10 and 11 are ppg in a case in field units: the table must not call them kg/m3."""
     fluid = "fluid: {density: 10, flow_rate: 100, rheology: {pv: 20, yp: 10}}\ntime: {end: 0.01}\n"
     (folder / "wet.yaml").write_text(CASE + fluid)
-    assert main(["sweep", "wet.yaml", "fluid.density=10,11", "--out", "sweep", "--progress", "silent"]) == 0
+    main_succeeds("sweep", "wet.yaml", "fluid.density=10,11", "--out", "sweep", "--progress", "silent")
     lines = (folder / "sweep" / "sweep.csv").read_text().splitlines()
     head, row = lines[0].split(","), lines[2].split(",")
     assert row[head.index("fluid.density")] == "11 ppg"
@@ -121,7 +119,7 @@ def test_notes_are_in_the_units_of_the_option(
     metric = metric.replace("od: 5", "od: 127").replace("md: [0, 1000]", "md: [0, 1100]")
     (tmp_path / "case.yaml").write_text(metric.replace("element_length: 33", "element_length: 30"))
     monkeypatch.chdir(tmp_path)
-    assert main(["roadmap", "case.yaml", "--units", "field", "--out", "r"]) == 0
+    main_succeeds("roadmap", "case.yaml", "--units", "field", "--out", "r")
     screen = capsys.readouterr()
     notes = [line for line in screen.out.splitlines() if "note:" in line]
     assert any("trip_speed 60 ft/min assumed" in note for note in notes)

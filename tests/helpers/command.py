@@ -46,6 +46,18 @@ def drillpetsc(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
     return CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
+def succeeds(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
+    """The same of a command line that ends with status 0."""
+    done = drillpetsc(line, *more, cwd=cwd)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done
+
+
+def main_succeeds(*words: object) -> None:
+    """The words in the present folder, with what they print left to pytest; they end with status 0."""
+    assert main([str(word) for word in words]) == 0
+
+
 def _words(line: object, *more: object) -> list[str]:
     return [*shlex.split(str(line)), *map(str, more)]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import succeeds
 from tests.helpers.mpi import ROOT, run_mpi
 
 SCRIPT = Path(__file__).with_name("run_commands.py")
@@ -44,7 +44,7 @@ def folder(tmp_path_factory) -> Path:
             lines.append(["sensitivities", str(ROOT / case), "--to", keys, *words, "--out", str(out)])
         if n == 1:
             for line in lines:
-                assert drillpetsc(*line, cwd=made).returncode == 0
+                succeeds(*line, cwd=made)
         else:
             (made / "jobs.json").write_text(json.dumps(lines))
             run_mpi(n, SCRIPT, [str(made / "jobs.json")])

@@ -8,7 +8,7 @@ import pytest
 
 from tests.cli.test_limits_cli import CASE
 from tests.cli.test_uncertain_cli import DENSITY, FRICTION, ROADMAP
-from tests.helpers.command import drillpetsc
+from tests.helpers.command import succeeds
 from tests.helpers.mpi import run_mpi
 
 SURVEY = "  well.survey: {path: {inclination: 0.1 deg, lateral: 0.2 deg, length: 800 m}}\n"
@@ -21,7 +21,7 @@ def test_same_file_on_1_2_and_3_ranks(tmp_path):
     case = tmp_path / "small.yaml"
     case.write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY + SURVEY)
     words = ["uncertain", str(case), "--samples", "25", "--out"]
-    assert drillpetsc(*words, tmp_path / "1", cwd=tmp_path).returncode == 0
+    succeeds(*words, tmp_path / "1", cwd=tmp_path)
     for n in (2, 3):
         run_mpi(n, SCRIPT, [*words, str(tmp_path / str(n))])
     one, *others = [(tmp_path / str(n) / "uncertain.csv").read_bytes() for n in (1, 2, 3)]

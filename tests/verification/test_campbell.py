@@ -19,6 +19,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers import frequency_models as m
+from tests.helpers.command import main_succeeds
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
@@ -58,14 +59,13 @@ def quartic(rpm: float) -> np.ndarray:
 def test_gyroscopic_split_of_a_disc(tmp_path):
     """Frequencies and whirl at 0, 120, 600, 3000 rpm within 0.2 %; synchronous critical speeds 376.346 rpm forward, 362.605
     and 2720.80 rpm backward (C21); the second forward branch never crosses.  Through a case file and the command line."""
-    from drillpetsc.cli import main
 
     for rpm, values in DISC.items():
         assert np.sort(np.abs(quartic(rpm))) == pytest.approx(values, rel=2e-6)
     file = tmp_path / "disc.yaml"
     file.write_text(yaml.safe_dump(m.disc()))
     words = ["campbell", str(file), "--speeds", "0:3000:120 rpm", "--count", "6", "--lines", "1"]
-    assert main([*words, "--out", str(tmp_path / "run")]) == 0
+    main_succeeds(*words, "--out", tmp_path / "run")
     found = read_table(tmp_path / "run" / "campbell.csv")
     lateral = (found["kind [-]"] == "lateral") & (found["frequency [Hz]"] < 1000)
     for rpm, values in DISC.items():

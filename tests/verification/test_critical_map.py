@@ -13,6 +13,7 @@ from drillpetsc import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.command import main_succeeds
 from tests.helpers.wells import simple_well
 
 HOLE, SPAN, MASS = 0.2159, 9.0, 700.0
@@ -50,7 +51,6 @@ def critical(stiffness: np.ndarray) -> np.ndarray:
 
 def test_body_between_two_points_of_the_wall(tmp_path):
     """Soft walls carry the shaft as a rigid body, stiff ones as hinges: 0.5 %.  Through a case file and the command line."""
-    from drillpetsc.cli import main
 
     file = tmp_path / "shaft.yaml"
     file.write_text(yaml.safe_dump(shaft()))
@@ -60,7 +60,7 @@ def test_body_between_two_points_of_the_wall(tmp_path):
     ]  # fmt: skip
     walls = np.array([3e5, 1e6, 4e6, 1e9])
     options = ["--stiffness", "3e5,1e6,4e6,1e9 Pa", "--out", str(tmp_path / "run")]
-    assert main([*words, *options]) == 0
+    main_succeeds(*words, *options)
     found = read_table(tmp_path / "run" / "critical_map.csv")
     for wall, expected in zip(walls, critical(walls), strict=True):
         speeds = found["critical_rotary_speed [rpm]"][found["wall_stiffness [Pa]"] == wall]

@@ -16,6 +16,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers import frequency_models as m
+from tests.helpers.command import main_succeeds
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
@@ -157,12 +158,11 @@ def test_a_motor_without_an_orbit_excites_nothing(tmp_path):
 def test_bit_that_moves_three_times_a_turn(tmp_path):
     """Axial force at a lower end that moves by 3 mm, from the wave equation of drill pipe and collars: 14.811, 76.071, 307.98,
     931.28 kN at 60, 90, 120, 150 rpm (C23); tolerance 0.5 %.  Through a case file and the command line."""
-    from drillpetsc.cli import main
 
     file = tmp_path / "string.yaml"
     file.write_text(yaml.safe_dump(m.two_part_string()))
     words = ["response", str(file), "--excite", "bit", "--amplitude", "3 mm", "--speeds", "60,90,120,150 rpm"]
-    assert main([*words, "--out", str(tmp_path / "run")]) == 0
+    main_succeeds(*words, "--out", tmp_path / "run")
     found = read_table(tmp_path / "run" / "response.csv")
     end = found["place [-]"] == "lower end"
     expected = np.array([14.811e3, 76.071e3, 307.98e3, 931.28e3])

@@ -15,6 +15,7 @@ from drillpetsc.analysis.linear.frequency.stability_runs import classify
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from tests.helpers import top_drive_models as m
+from tests.helpers.command import main_succeeds
 from tests.helpers.delay_roots import Regenerative
 from tests.helpers.motion import beam
 from tests.helpers.tables import each_row
@@ -75,12 +76,11 @@ def test_regenerative_map(tmp_path):
     """Cutting stiffness 4 MN/m: boundaries at 39.345, 49.283, 63.757, 104.048, 167.986 rpm within 0.5 % (C24).  Growth at 130,
     171, 106, 102 rpm within 1 % of 0.7305, -0.0986, 0.1251, -0.1502 1/s, and of the rightmost root of the delay equation.
     Through a case file and the command line."""
-    from drillpetsc.cli import main
 
     file = tmp_path / "bit.yaml"
     file.write_text(yaml.safe_dump(spring_and_bit()))
     words = ["stability", str(file), "--speeds", "36:186:6 rpm", "--wob", "20 kN", "--count", "6"]
-    assert main([*words, "--out", str(tmp_path / "run")]) == 0
+    main_succeeds(*words, "--out", tmp_path / "run")
     edges = rows(tmp_path / "run", "stability_boundary.csv")
     expected = [39.345, 49.283, 63.757, 104.048, 167.986]
     assert edges["boundary_speed"] == pytest.approx(expected, rel=5e-3)

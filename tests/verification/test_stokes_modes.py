@@ -14,6 +14,7 @@ from drillpetsc import Case
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
 from tests.helpers import frequency_models as m
+from tests.helpers.command import main_succeeds
 from tests.helpers.wells import simple_well
 
 HOLE, MUD, L = 0.2159, 1200.0, 20.0
@@ -120,12 +121,11 @@ def test_without_viscosity_and_without_damping(tmp_path):
 
 def test_from_a_case_file(tmp_path):
     """A case file through the command line; the second pair of modes too; the reference in a run is C_m there."""
-    from drillpetsc.cli import main
     from drillpetsc.model.drilling_model import build_model
 
     file = tmp_path / "span.yaml"
     file.write_text(yaml.safe_dump(span(2e-2, 24)))
-    assert main(["modes", str(file), "--count", "4", "--out", str(tmp_path / "run")]) == 0
+    main_succeeds("modes", file, "--count", "4", "--out", tmp_path / "run")
     table = read_table(tmp_path / "run" / "modes.csv")
     second = root(2e-2, 2)
     assert table["frequency [Hz]"][2:4] == pytest.approx([second.imag / (2 * np.pi)] * 2, rel=5e-4)

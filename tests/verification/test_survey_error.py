@@ -21,6 +21,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.geometry.trajectory import dogleg
 from drillpetsc.geometry.well import direction
 from drillpetsc.parallel import initialise_petsc
+from tests.helpers.command import main_succeeds
 
 DEGREE = np.pi / 180
 
@@ -160,14 +161,14 @@ uncertain:
 """
     (tmp_path / "case.yaml").write_text(text)
     words = ["uncertain", str(tmp_path / "case.yaml"), "--out", str(tmp_path / "out"), "--samples", "60"]
-    assert main(words) == 0
+    main_succeeds(*words)
     said = capsys.readouterr().out
     assert "well.survey" in said and "well.sections[0].friction 9" in said
     keys = json.loads((tmp_path / "out" / "summary.json").read_text())["keys"]
     assert [q["key"] for q in keys] == ["well.survey", "well.sections[0].friction"]
     assert "WARNING" not in said
     (tmp_path / "case.yaml").write_text(text.replace("length: 200 m", "length: 30 m"))
-    assert main([*words[:-1], "200", "--overwrite"]) == 0
+    main_succeeds(*words[:-1], "200", "--overwrite")
     # the slope of a Gaussian process is sd / length: 0.2 deg sqrt(2) in 30 m
     assert "doglegs of 0.283 deg/30m (rms)" in capsys.readouterr().out
     assert main([*words[:-1], "20", "--overwrite"]) == 2

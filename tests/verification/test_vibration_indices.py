@@ -12,6 +12,7 @@ from drillpetsc import Case, vibration
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.command import main_succeeds
 from tests.helpers.wells import simple_well
 
 AREA = np.pi / 4 * 0.2159**2
@@ -206,12 +207,12 @@ def test_pictures_and_command(ramp, tmp_path, capsys):
     folder = tmp_path / "r"
     shutil.copytree(ramp.folder, folder)
     arguments = ["--waterfall", "mwd:ay", "--psd", "history:bit_speed", "--out", str(tmp_path / "p")]
-    assert main(["plot", str(folder), *arguments]) == 0
-    assert main(["plot", str(folder), "--waterfall", "mwd:ay", "--order", "--out", str(tmp_path / "p")]) == 0
+    main_succeeds("plot", folder, *arguments)
+    main_succeeds("plot", folder, "--waterfall", "mwd:ay", "--order", "--out", tmp_path / "p")
     names = {file.name for file in (tmp_path / "p").iterdir()}
     assert names == {"waterfall_mwd_ay.png", "psd_history_bit_speed.png", "orders_mwd_ay.png"}
     assert {"indices", "sensor_mwd"} <= set(_names(folder))
-    assert main(["vibration", str(folder), "--window", "5 s", "--every", "2.5"]) == 0
+    main_succeeds("vibration", folder, "--window", "5 s", "--every", "2.5")
     printed = capsys.readouterr().out
     assert "11 windows of 5 s" in printed and "Stick-slip index" in printed
     assert len(read_table(folder / "indices.csv")["time [s]"]) == 11

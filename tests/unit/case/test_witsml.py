@@ -13,6 +13,7 @@ from drillpetsc.case.importers.fragment import fragment
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
+from tests.helpers.command import main_succeeds
 
 FOOT, INCH, POUND = 0.3048, 0.0254, 0.45359237
 HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -89,7 +90,7 @@ def test_positions_of_a_trajectory_are_compared(files: list[str]) -> None:
 
 
 def test_import_writes_a_case(files: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["import", *files, "--out", "case.yaml"]) == 0
+    main_succeeds("import", *files, "--out", "case.yaml")
     assert "XO" in capsys.readouterr().out
     text = Path("case.yaml").read_text()
     Path("whole.yaml").write_text(text + "top: clamped\nbottom: bit\ncontact: none\n")
@@ -120,11 +121,11 @@ def test_import_writes_a_case(files: list[str], capsys: pytest.CaptureFixture[st
 
 
 def test_import_to_the_screen_and_over_a_file(files: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["import", "t.xml"]) == 0
+    main_succeeds("import", "t.xml")
     assert "survey: t.xml" in capsys.readouterr().out
     Path("case.yaml").write_text("mine")
     assert main(["import", "t.xml", "--out", "case.yaml"]) == 2 and Path("case.yaml").read_text() == "mine"
-    assert main(["import", "t.xml", "--out", "case.yaml", "--overwrite"]) == 0
+    main_succeeds("import", "t.xml", "--out", "case.yaml", "--overwrite")
     assert "left to do: string" in Path("case.yaml").read_text()
 
 
