@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.case import Case
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from tests.helpers.moving import matrices
 from tests.helpers.mud import (
@@ -95,6 +96,22 @@ def test_friction_is_exact_with_any_number_of_elements(q, elements):
     p = pressures(model, "bore")
     density = DENSITY * (1 + 0.5 * p[0] / 1e14)
     assert p[0] - p[-1] == pytest.approx(LENGTH * friction(q, BORE, INNER, False, density), rel=1e-10)
+
+
+@pytest.mark.parametrize("index", [0.6, 1.0])
+@pytest.mark.parametrize("q", [1e-7, 1e-4, 0.004, 0.02, -0.06])
+def test_the_exact_law_of_four_elements_at_once_is_that_of_one(q, index):
+    """Gelled, laminar and turbulent flow: losses of bore and annulus against the law evaluated by itself, whose profile is that of
+    Buckingham and of the slot (tests/unit/physics/test_rheology.py)."""
+    numbers = {"yield_stress": 8.0, "consistency": 0.4, "index": index}
+    law = Rheology("herschel_bulkley", "exact", **numbers)
+    mud = {"rheology": {"model": "herschel_bulkley", **numbers, "law": "exact"}, "density": DENSITY}
+    found = losses(started(loop({**mud, **RIGID, "flow_rate": q}, 6)))[[1, 3]]
+    for loss, area, diameter, annulus in zip(
+        found, (BORE, OPEN), (INNER, HOLE - OUTER), (False, True), strict=True
+    ):
+        exact = LENGTH * 4 / diameter * float(wall_shear(law, q / area, diameter, annulus, DENSITY))
+        assert loss == pytest.approx(exact, rel=2e-5, abs=3.0)  # the mud weighs 3 Pa more by its own pressure
 
 
 def test_second_order_in_the_mesh_with_a_compressible_mud():
