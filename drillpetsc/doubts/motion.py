@@ -501,4 +501,4 @@ class UnbalancedVolumes(Doubt):
             return
         share = energy.last_error / energy.exchanged
         if abs(share) > UNBALANCED:
-            yield {"percent": 100 * share}
+            yield {"percent": 100 * abs(share)}
