@@ -244,7 +244,7 @@ class Bingham(PythonBlock):
 
     yield_stress: yield stress [Pa]
     plastic_viscosity: plastic viscosity [Pa s]
-    law: friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; exact: laminar profile integrated
+    law: friction in pipe and annulus: exact: laminar profile integrated; blend: a formula for it, too high in slow flow
     shear_rate: shear rate below which stresses go smoothly to zero [1/s]
     dial: readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the model's constants are fitted to them unless given
     fit: fit to the readings: api: rules of API RP 13D (default with two readings and with law api); least_squares: in stress
@@ -480,7 +480,7 @@ class Casson(PythonBlock):
 
     yield_stress: yield stress [Pa]
     plastic_viscosity: plastic viscosity [Pa s]
-    law: friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; exact: laminar profile integrated
+    law: friction in pipe and annulus: exact: laminar profile integrated; blend: a formula for it, too high in slow flow
     shear_rate: shear rate below which stresses go smoothly to zero [1/s]
     dial: readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the model's constants are fitted to them unless given
     fit: fit to the readings: api: rules of API RP 13D (default with two readings and with law api); least_squares: in stress
@@ -1101,7 +1101,7 @@ class HerschelBulkley(PythonBlock):
     yield_stress: yield stress [Pa]
     consistency: consistency [Pa s^n]
     index: flow index n, 1 for a Bingham fluid [-]
-    law: friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; exact: laminar profile integrated
+    law: friction in pipe and annulus: exact: laminar profile integrated; blend: a formula for it, too high in slow flow
     shear_rate: shear rate below which stresses go smoothly to zero [1/s]
     dial: readings of a viscometer in degrees by its speed in rpm, {600: 64, 300: 41}; the model's constants are fitted to them unless given
     fit: fit to the readings: api: rules of API RP 13D (default with two readings and with law api); least_squares: in stress

@@ -22,7 +22,7 @@ string:
   - {{kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m, eccentricity: 3 mm}}
 top: {{kind: top_drive, rotation: 80 rpm, lowering: 0.1 m/s}}
 bottom: free
-time: {{end: 0.3 s}}
+time: {{end: 1 s}}
 """
 
 

@@ -19,6 +19,7 @@ MUD = {
     "density": DENSITY,
     "rheology": {
         "model": "herschel_bulkley",
+        "law": "blend",  # whose formula is that of wall_stress
         "yield_stress": YIELD,
         "consistency": CONSISTENCY,
         "index": INDEX,

@@ -147,4 +147,6 @@ def test_energy_of_a_string_that_slides_past_a_step_of_the_hole(speed: float, tm
     )
     summary = dp.run(made, tmp_path / "run", progress="silent").summary
     assert abs(summary["energy"]["error_share"]) < 3e-3
-    assert abs(summary["mass"]["error_share"]) < 3e-4
+    # mud may come back as it goes, so what was exchanged at the end is no measure: the annulus that the string moves past is
+    moved = pi / 4 * (HOLE**2 - PIPE**2) * abs(speed) * (0.25 + 0.6)
+    assert abs(summary["mass"]["error"]) < 1e-4 * moved

@@ -26,6 +26,7 @@ WEIGHT = STEEL * METAL * G * LENGTH  # 262.1933 kN
 STIFF = 1e14  # bulk modulus [Pa] of a mud that does not give way
 MUD_OF_TABLE = {
     "model": "herschel_bulkley",
+    "law": "blend",
     "yield_stress": 3.0,
     "consistency": 0.3,
     "index": 0.75,

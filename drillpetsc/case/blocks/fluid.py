@@ -82,9 +82,8 @@ class WithYieldStress(Rheology):
     }  # the API formulas apply to a power law
 
     law: Literal["blend", "exact"] = Field(
-        default="blend",
-        description="friction in pipe and annulus: blend: one smooth formula from laminar to turbulent flow; "
-        "exact: laminar profile integrated",
+        default="exact",
+        description="friction in pipe and annulus: exact: laminar profile integrated; blend: a formula for it, too high in slow flow",
     )
     yield_stress: YieldStress = Field(description="yield stress")
 
