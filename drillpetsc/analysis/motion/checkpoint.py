@@ -31,7 +31,7 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
-VERSION = 5
+VERSION = 6  # another one, too, if a kernel whose parameters a component keeps (annulus_flow) has others
 BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
 MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
 WANT = "the checkpoint.h5 of a run"
