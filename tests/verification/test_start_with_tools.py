@@ -62,7 +62,7 @@ def jointed(*joints: float, element: float, mud: bool = False, **top: float) -> 
         (jointed(2990.0, element=5.0, mud=True, lowering=0.1), 25),  # 175
         (jointed(2950.0, 2990.0, element=10.0, mud=True, lowering=0.1), 27),  # 239
         (with_tools(JAR, COLLAR, SHOCK, MOTOR, wob=40e3, inclination=0.0), 50),  # refused after 977
-        (with_tools(MOTOR, COLLAR, SHOCK, JAR, wob=80e3, inclination=0.0), 100),  # refused after 873
+        (with_tools(MOTOR, COLLAR, SHOCK, JAR, wob=80e3, inclination=0.0), 105),  # refused after 873
         (with_tools(JAR, COLLAR, SHOCK, MOTOR, wob=80e3, inclination=40.0), 30),  # 144
         (with_tools(SHOCK, COLLAR, MOTOR, JAR, wob=20e3, inclination=20.0), 30),  # 80
         (with_tools(JAR, COLLAR, SHOCK, wob=40e3, inclination=0.0, mud=False), 20),  # 106

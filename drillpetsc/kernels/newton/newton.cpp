@@ -38,14 +38,14 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
 // switching: contacts of any rank may open or close.  last, first: sizes of the last increment and of the first of this solve; theta: contraction.
-// renewed: iteration that renewed the contacts last.  further: iterations with the same factors that are cheaper than new ones.
+// renewed: iteration that renewed the contacts last.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
 DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
     const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
-    double lag_shift, shift_change, contraction, further, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
+    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
     int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
@@ -175,33 +175,8 @@ bool touches_wall(const NewtonCall& c) {
 
 bool shift_fits(const NewtonCall& c) { return std::fabs(c.step->sigma / c.lag_shift - 1.0) <= c.shift_change; }
 
-// Part of the present matrix due to inertia, over that of the factorisation.
-double inertia_ratio(const NewtonCall& c) {
-    const double shift = c.step->sigma / c.lag_shift;
-    return shift * shift;
-}
-
-// Factor of the next increment with the factors of another shift (manual: eq-time-relaxation).
-double relaxation(const NewtonCall& c) {
-    const double ratio = inertia_ratio(c);
-    return c.iterations == 0 ? 1.0 : c.iterations == 1 ? 1.0 / ratio : 2.0 / (1.0 + ratio);
-}
-
-// Error that such an increment leaves at most, over the increment.
-double relaxed_error(const NewtonCall& c) {
-    const double ratio = inertia_ratio(c), mismatch = std::fabs(ratio - 1.0);
-    return c.iterations == 2 ? mismatch : 0.5 * mismatch * (ratio < 1.0 ? 1.0 / ratio : 1.0);
-}
-
-// Iterations that the solve still needs if its contraction stays.
-double expected_iterations(const NewtonCall& c) {
-    if (c.iterations < 2 || c.theta <= 0.0) return 0.0;
-    return c.theta < 1.0 ? std::log(c.tolerance / (c.eta * c.last)) / std::log(c.theta) : INFINITY;
-}
-
 bool reusable(const NewtonCall& c) {
     if (!(c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations)) return false;
-    if (expected_iterations(c) > c.further) return false;
     return !c.switching || !anywhere(c, flags_changed(c));
 }
 
@@ -274,14 +249,13 @@ bool motion_turned(const NewtonCall& c) {
     return false;
 }
 
-// Whether contacts can be renewed apart and are the likely cause of slow convergence: they have switched, or the contraction is poorer than the
-// change of the shift explains.  A bit alone, without contact at the wall, has another cause.
+// Whether contacts can be renewed apart and are the likely cause of slow convergence: they have switched, or the contraction is poor.  A good
+// contraction that takes many iterations is that of the other entries, which are old.  A bit alone, without contact at the wall, has another cause.
 bool contacts_suffice(const NewtonCall& c) {
     if (!c.contacts_apart || c.iterations >= c.contact_iterations || !(c.good && c.factored && c.current) || !shift_fits(c)) return false;
     double found[3] = {double(flags_changed(c)), double(c.contact_count && touches_wall(c)), double(motion_turned(c))};
     over_ranks(c.parts->sum, found, 3);
-    const double ratio = inertia_ratio(c);
-    return found[1] > 0.0 && found[2] == 0.0 && (c.theta > std::fabs(ratio - 1.0) / (ratio + 1.0) || found[0] > 0.0);
+    return found[1] > 0.0 && found[2] == 0.0 && (c.theta > c.contraction || found[0] > 0.0);
 }
 
 // The contacts alone are renewed in the last factorisation (manual: sec-time-contact-entries).
@@ -344,8 +318,8 @@ bool leaves_work(const NewtonCall& c, double size) {
     return std::fabs(power) > c.work_limit;
 }
 
-// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).  relaxed: see relaxation().
-int judge(NewtonCall& c, bool relaxed) {
+// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).
+int judge(NewtonCall& c) {
     const ReasonCall& r = *c.reasons;
     double found[2] = {double(!finite_sum(c.n, c.rows)), scaled_size(c.n, c.increment, c.scale, c.spacing, c.q)};
     over_ranks(c.parts->largest, found, 2);
@@ -356,7 +330,6 @@ int judge(NewtonCall& c, bool relaxed) {
         if (c.theta >= 2.0 && c.iterations > 4 && size > c.first) return r.diverging;
         if (c.theta > 0.5 && size < c.rounding) return r.converged;
         c.eta = c.theta < 1.0 ? c.theta / (1.0 - c.theta) : 10.0;
-        if (relaxed) c.eta = std::fmax(c.eta, relaxed_error(c));
     }
     if (c.iterations == 1) c.first = size;
     c.last = size;
@@ -383,7 +356,7 @@ extern "C" {
 // The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
 int newton_judge(NewtonCall* call, int iteration) {
     call->iterations = iteration;
-    if (iteration) return judge(*call, false);
+    if (iteration) return judge(*call);
     call->theta = 0.0;
     call->renewed = 0;
     return anywhere(*call, !finite_sum(call->n, call->rows)) ? call->reasons->not_a_number : 0;
@@ -413,9 +386,6 @@ int newton_solve(NewtonCall* call) {
         ended = prepare(c);
         if (ended == DONE) ended = solve(c);
         if (ended != DONE) return reason_of(c, ended);
-        const double share = relaxation(c);
-        if (share != 1.0)
-            for (int i = 0; i < c.n; ++i) c.increment[i] *= share;
         // along the negative step: the solution of the factors is subtracted
         take_step(c.n, c.increment, c.q);
         const double before = c.line_search ? work(c) : 0.0;
@@ -423,7 +393,7 @@ int newton_solve(NewtonCall* call) {
         if (ended == DONE && c.line_search) ended = shorten(c, before);
         if (ended != DONE) return reason_of(c, ended);
         c.iterations++;
-        if (const int reason = judge(c, true)) return reason;
+        if (const int reason = judge(c)) return reason;
     }
 }
 }

@@ -58,9 +58,9 @@ SHORTEST_STEP_FRACTION = 0.05
 #: iterations of a solve that renew a factorisation in its contacts alone, before all of it (manual:
 #: sec-time-contact-entries)
 CONTACT_ITERATIONS = 5
-#: a factorisation is reused while the shift has changed by less than this, the contraction is better than this, this
-#: many iterations have not sufficed, and no more than these are expected (manual: sec-time-newton)
-SHIFT_CHANGE, CONTRACTION, LAG_ITERATIONS, FURTHER_ITERATIONS = 0.25, 0.25, 4, 2.0
+#: a factorisation is reused while the shift has changed by less than this, the contraction is better than this, and this
+#: many iterations have not sufficed (manual: sec-time-newton)
+SHIFT_CHANGE, CONTRACTION, LAG_ITERATIONS = 0.2, 0.25, 4
 
 
 class NewtonIteration:
@@ -149,7 +149,6 @@ class NewtonIteration:
             shift_change=SHIFT_CHANGE,
             contraction=CONTRACTION,
             lag_iterations=LAG_ITERATIONS,
-            further=FURTHER_ITERATIONS,
             rounding=ROUNDING_INCREMENT,
             overshoot=OVERSHOOT_FRACTION,
             shortest=SHORTEST_STEP_FRACTION,
