@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from drillpetsc.errors import SolveError
 
-#: factorisations times nodes of the string: some ten seconds on one core; ordinary wells take a fiftieth of it, the hardest tests a half
-MOST_WORK = 800_000
+#: factorisations times nodes of the string: some twenty seconds on one core; ordinary wells take a hundredth of it, the hardest tests a half
+MOST_WORK = 1_600_000
 FIXED_NODES = 50  # the part of a factorisation's time that does not depend on the nodes, as nodes
 
 

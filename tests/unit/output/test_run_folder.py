@@ -32,6 +32,8 @@ def _create(results: Path) -> str:
 def test_runs_that_start_together_get_folders_of_their_own(tmp_path: Path) -> None:
     with multiprocessing.get_context("fork").Pool(4) as pool:
         names = pool.map(_create, [tmp_path] * 24, chunksize=1)
+        pool.close()  # its processes end by themselves: a handler of signals that they inherit may let them outlive a termination
+        pool.join()
     assert sorted(names) == [f"race-{k:03d}" for k in range(1, 25)]
 
 
