@@ -19,7 +19,7 @@ _PrescribedMatrix = structure("prescribed_matrix")
 class ContactEntries:
     """Entries of the components with contact in this rank's part of the Jacobian of a system.
 
-    ``nodes``: number of this rank's nodes; ``spans``: the entries in ``Assembly.values``.
+    ``nodes``: number of this rank's nodes.
     """
 
     def __init__(self, system: DiscreteSystem):
@@ -27,7 +27,6 @@ class ContactEntries:
         self._asm, self.nodes = asm, len(layout.chain.vertices)
         pairs = zip(asm.bound_blocks, system.component_of, strict=True)
         self._blocks = [b for b, c in pairs if b.count and c.has_contact]
-        self.spans = [b.span for b in self._blocks]
         self._flags = system.contact_flags
         self._before = [np.empty(b.span.stop - b.span.start) for b in self._blocks]
         #: rows that prescribed motion replaces in these blocks; rows in other blocks are the same as long as it has not turned

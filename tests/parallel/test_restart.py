@@ -149,7 +149,10 @@ DAMAGE = {
     "longer": (lambda data: data + b"\0", "cut short or damaged"),
     "text": (lambda data: b"time,hook_load\n0,1\n", "something else"),
     "version 1": (lambda data: b"\x89HDF\r\n\x1a\n" + data, "version 1"),
-    "version 99": (lambda data: data.replace(b"checkpoint 5", b"checkpoint 99", 1), "version 99"),
+    "version 99": (
+        lambda data: data.replace(f"checkpoint {checkpoint.VERSION}".encode(), b"checkpoint 99", 1),
+        "version 99",
+    ),
 }
 
 

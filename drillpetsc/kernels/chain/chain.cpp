@@ -145,11 +145,6 @@ struct Node {
     double* lower() const { return upper() + t[LD] * after; }
     std::size_t bytes(std::int64_t columns) const { return sizeof(double) * t[LD] * columns; }
     void clear() const { std::memset(D, 0, bytes(t[SIZE] + after + before)); }
-    void copy_from(const double* store) const {
-        std::memcpy(D, store + t[DIAG], bytes(t[SIZE]));
-        if (after) std::memcpy(upper(), store + t[UPPER], bytes(after));
-        if (before) std::memcpy(lower(), store + t[LOWER], bytes(before));
-    }
     void copy_to(double* store) const {
         std::memcpy(store + t[DIAG], D, bytes(t[SIZE]));
         if (after) std::memcpy(store + t[UPPER], upper(), bytes(after));
@@ -181,19 +176,18 @@ void chain_scatter_add(int n, const int* index, const double* values, double* ta
 // from: above 0 (not with a kept node 0, `saved` or `blocks`) the nodes before it keep the factors of the last call: their entries and
 // those that couple them to node `from` must not have changed but in node `from` itself.  The same operations follow as in a whole
 // elimination, so the factors are those to the last bit.
-// apart, plain: null, or for each node its first run of contacts, after all others, and the blocks without contacts, as in `store`.  They are kept, or,
-// where bit 2 of `keep` is set, taken: all entries but those of contacts stay.
 int chain_factor(int from, int n, int keep, const std::int64_t* table, double* store, const int* start, const int* first_entry,
                  const int* pattern, const int* tile_begin, const int* tiles, const int* single_begin, const int* singles,
-                 const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved, double* blocks,
-                 const int* apart, double* plain) {
+                 const double* values, double* inverse, int* pivot, double tolerance, double* stats, double* saved, double* blocks) {
     alignas(64) double work[2][3 * LARGEST_BLOCK * LARGEST_BLOCK];
     const auto node = [&](int i) { return Node(table, n, i, work[i % 2]); };
     // the last rank counts its nodes against the order of the entries
     const int early = start[n / 3], late = start[2 * n / 3];
     const int ahead = late < start[n] && first_entry[late] < first_entry[early] ? -AHEAD : AHEAD;
-    const auto add_runs = [&](const Node& a, int r, int end) {
-        for (; r < end; r++) {
+    const auto assemble = [&](int i) {
+        const Node a = node(i);
+        a.clear();
+        for (int r = start[i]; r < start[i + 1]; r++) {
             const double* v = values + first_entry[r];
             const int p = pattern[r];
             for (const int *tile = tiles + TILE * tile_begin[p], *end = tiles + TILE * tile_begin[p + 1]; tile < end; tile += TILE)
@@ -201,18 +195,6 @@ int chain_factor(int from, int n, int keep, const std::int64_t* table, double* s
             for (const int *one = singles + 2 * single_begin[p], *end = singles + 2 * single_begin[p + 1]; one < end; one += 2)
                 a.D[one[1]] += v[one[0]];
         }
-    };
-    const auto assemble = [&](int i) {
-        const Node a = node(i);
-        const int contacts = plain ? apart[i] : start[i + 1];
-        if (keep & 4) {
-            a.copy_from(plain);
-        } else {
-            a.clear();
-            add_runs(a, start[i], contacts);
-            if (plain) a.copy_to(plain);
-        }
-        add_runs(a, contacts, start[i + 1]);
         if (saved) a.copy_to(saved);
     };
     stats[FAILED_COLUMN] = -1;

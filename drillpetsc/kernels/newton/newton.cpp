@@ -14,8 +14,7 @@ namespace {
 // A factorisation of kernels/chain/chain.cpp and its entries; index (length): of each place of a padded vector, -1 for padding.
 DP_RECORD(ChainCall,
     const void* table; double* store; const int* start; const int* first_entry; const int* pattern; const int* tile_begin; const int* tiles;
-    const int* single_begin; const int* singles; double* inverse; int* pivot; double* stats; const int* index; double* vec; const int* apart; double* plain;
-    double tolerance; int n, length;
+    const int* single_begin; const int* singles; double* inverse; int* pivot; double* stats; const int* index; double* vec; double tolerance; int n, length;
 )
 
 // A block of contacts: number of its MatrixCall; first (elements): first node along the chain of an element or of any after it; before: copy of
@@ -78,7 +77,7 @@ DP_EXPORT_RECORD(newton_call, NewtonCall)
 
 extern "C" {
 int chain_factor(int, int, int, const void*, double*, const int*, const int*, const int*, const int*, const int*, const int*, const int*,
-                 const double*, double*, int*, double, double*, double*, double*, const int*, double*);
+                 const double*, double*, int*, double, double*, double*, double*);
 void chain_solve(int, const void*, const double*, const double*, const int*, int, const int*, const double*, double*, const int*, double*);
 double scaled_size(int, const double*, const double*, double, const double*);
 
@@ -180,14 +179,14 @@ bool reusable(const NewtonCall& c) {
     return !c.switching || !anywhere(c, flags_changed(c));
 }
 
-// Factors from node `from` on; contacts: only their entries have changed.
-Outcome factor(NewtonCall& c, int from, bool contacts = false) {
+// Factors from node `from` on.
+Outcome factor(NewtonCall& c, int from) {
     if (c.parts->factor) return python(c.parts->factor, from);
     const Timer timer(c, FACTOR);
     const ChainCall& h = *c.chain;
     c.factorisations++;
-    return outcome(chain_factor(from, h.n, contacts && h.plain ? 4 : 0, h.table, h.store, h.start, h.first_entry, h.pattern, h.tile_begin, h.tiles, h.single_begin, h.singles,
-                                c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr, h.apart, h.plain) >= 0);
+    return outcome(chain_factor(from, h.n, 0, h.table, h.store, h.start, h.first_entry, h.pattern, h.tile_begin, h.tiles, h.single_begin, h.singles,
+                                c.jacobian->values, h.inverse, h.pivot, h.tolerance, h.stats, nullptr, nullptr) >= 0);
 }
 
 Outcome solve(NewtonCall& c) {
@@ -265,7 +264,7 @@ Outcome renew_contacts(NewtonCall& c) {
         const Timer timer(c, JACOBIAN);
         first = renew_contact_entries(c.jacobian, c.contact_count, c.contacts, c.step->prescriptions, c.replaced, c.nodes);
     }
-    const Outcome factored = first < c.nodes || c.parts->factor ? factor(c, first, true) : DONE;
+    const Outcome factored = first < c.nodes || c.parts->factor ? factor(c, first) : DONE;
     if (factored != DONE) return factored;
     keep_flags(c);
     c.contact_updates++;

@@ -6,8 +6,6 @@ eq-chain-inertia (negative eigenvalues), sec-chain-storage.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from drillpetsc.kernels import function, pointer
@@ -19,7 +17,7 @@ _SIZE, _LD, _DIAG, _UPPER, _LOWER, _LEFT, _TOP, _VEC = (
     _TABLE[name] for name in ("size", "ld", "diag", "upper", "lower", "left", "top", "vec")
 )
 
-_factor = function("chain_factor", "iiipppppppppp" + "ppdppppp", int)
+_factor = function("chain_factor", "iiipppppppppp" + "ppdppp", int)
 _forward = function("chain_forward", "iippppp")
 _backward = function("chain_backward", "iippp")
 _solve = function("chain_solve", "ippppippppp")
@@ -93,7 +91,6 @@ class Piece:
         self.blocks: np.ndarray | None = None
         self._piece = (n, interfaces, pointer(table), pointer(self.store))
         self._lu = (pointer(self.inverse), pointer(self.pivot))
-        self._apart = (0, 0)  # addresses of ``set_apart``
 
     def set_matrix_entries(
         self,
@@ -137,21 +134,6 @@ class Piece:
         self._runs = start, first, pattern, tile_begin, tiles, single_begin, singles
         self._entries = tuple(map(pointer, self._runs))
 
-    def set_apart(self, spans: Sequence[slice]) -> None:
-        """Add the entries in these ``spans`` of the values last, and keep the blocks without them: they may be renewed alone."""
-        if any(self._apart):  # records of compiled code have the addresses
-            return
-        start, first, pattern = self._runs[:3]
-        apart = np.zeros(len(first), dtype=bool)
-        for span in spans:
-            apart |= (first >= span.start) & (first < span.stop)
-        node = np.repeat(np.arange(self.n), np.diff(start))
-        order = np.lexsort((apart, node))  # the others keep their order
-        first[:], pattern[:] = first[order], pattern[order]
-        self._late = (start[1:] - np.bincount(node, apart, self.n)).astype(np.int32)
-        self._plain = aligned(self.matrix)
-        self._apart = pointer(self._late), pointer(self._plain)
-
     def interface_blocks(self) -> list[np.ndarray]:
         """Return the positions in ``store`` of the blocks between interfaces, rows of the first interface first."""
         t, last, b = self.table, self.n - 1, self.table[:, _SIZE]
@@ -185,7 +167,6 @@ class Piece:
             stats,
             saved,
             blocks,
-            *self._apart,
         )
 
     def record(self) -> dict[str, int]:
@@ -200,8 +181,6 @@ class Piece:
             "store": store,
             "inverse": inverse,
             "pivot": pivot,
-            "apart": self._apart[0],
-            "plain": self._apart[1],
         }
         return own | dict(zip(names, self._entries, strict=True)) | {"stats": pointer(self.stats)}
 

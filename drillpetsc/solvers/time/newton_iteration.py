@@ -167,8 +167,6 @@ class NewtonIteration:
             record.power_rows, record.power_rates = pointer(rows), pointer(rates)
             record.power_count = len(rows)
         if system.comm.size == 1 and self.factor is not None:
-            if self.contacts is not None:
-                self.factor.piece.set_apart(self.contacts.spans)
             self._chain = self.factor.record()
             record.chain = ctypes.addressof(self._chain)
         return record
