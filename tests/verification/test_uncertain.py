@@ -164,6 +164,14 @@ def test_numbers_of_a_calibration(tmp_path):
     covariance = deviation[:, None] * deviation * np.array([[1, -0.6], [-0.6, 1]])
     assert slopes[i, 1] == pytest.approx(1.0, rel=1e-6)
     assert values[:, i].std(ddof=1) == pytest.approx(np.sqrt(slopes[i] @ covariance @ slopes[i]), rel=0.03)
+    assert "another case" in notes[1]
+    write_summary(file, {"fit": {"cased": {"value": 0.2}}, "parameters": ["cased"], "correlation": [[1.0]]})
+    with pytest.raises(CaseError, match="damaged"):
+        calibrated(case, tmp_path)
+    lost = {"formation.bit_law.static": fit["block_weight"]}
+    write_summary(file, {"fit": lost, "parameters": [*lost], "correlation": [[1.0]]})
+    with pytest.raises(CaseError, match="calibration of this case"):
+        calibrated(case, tmp_path)
     with pytest.raises(CaseError, match="run folder of calibrate"):
         calibrated(case, tmp_path / "none")
     write_summary(file, {"fit": {"cased": fit["cased"]}, "parameters": ["cased"], "correlation": [[1.0]]})

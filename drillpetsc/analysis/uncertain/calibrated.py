@@ -57,11 +57,18 @@ def calibrated(case: Case, folder: Path) -> tuple[Case, list[str]]:
     token = FOLDER.set(where)
     try:
         found = Case(**{**changed(keys, values), "uncertain": kept | spreads})
+    except CaseError as error:
+        want = f"a calibration of this case, which has {', '.join(usable)}"
+        raise CaseError(at=OPTION, got=str(folder), want=want, hint=str(error).replace("\n", ";")) from None
     finally:
         FOLDER.reset(token)
-    unused = [name for name in names if name not in usable]
-    notes = [f"not taken from the calibration, which gives no interval of the case: {', '.join(unused)}"]
-    return found, notes if unused else []
+    unused, title = [name for name in names if name not in usable], summary.get("title")
+    notes = {
+        f"not taken from the calibration, which gives no interval of it: {', '.join(unused)}": unused,
+        f"the calibration is that of another case, {title or 'without a title'}: its friction need not be that of this well": title
+        != case.title,
+    }
+    return found, [note for note, holds in notes.items() if holds]
 
 
 def _summary(folder: Path) -> dict[str, Any]:
@@ -70,9 +77,16 @@ def _summary(folder: Path) -> dict[str, Any]:
     if not file.is_file():
         raise CaseError(at=OPTION, got=str(folder), want="a run folder of calibrate")
     summary = read_summary(file)
-    if not all(isinstance(summary.get(q), list | dict) for q in ("fit", "parameters", "correlation")):
+    fit, names, rows = (summary.get(q) for q in ("fit", "parameters", "correlation"))
+    whole = isinstance(fit, dict) and isinstance(names, list) and isinstance(rows, list)
+    if not whole or not all(
+        {"value", "interval", "unit"} <= set(summary["fit"].get(name, ())) for name in summary["parameters"]
+    ):
         raise CaseError(
-            at=OPTION, got=str(folder), want="a run folder of calibrate", hint="this is of another command"
+            at=OPTION,
+            got=str(folder),
+            want="a run folder of calibrate",
+            hint="this is of another command, or damaged",
         )
     return summary
 
