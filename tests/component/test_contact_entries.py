@@ -20,7 +20,7 @@ well:
 string:
   - {{kind: pipe, length: 30 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}}
   - {{kind: pipe, length: 20 m, od: 171.5 mm, id: 71.4 mm, element_length: 10 m, eccentricity: 3 mm}}
-top: {{kind: top_drive, rotation: 80 rpm, lowering: 0.1 m/s}}
+top: {{kind: top_drive, rotation: 160 rpm, lowering: 0.1 m/s}}
 bottom: free
 time: {{end: 1 s}}
 """

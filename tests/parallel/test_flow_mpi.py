@@ -69,7 +69,7 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
     histories equal to 1e-9 of each column's size, equal counts of steps.
 
     Newton's tolerance is at rounding level here: at changes of contact, or with the bit on bottom, a step in
-    a hundred may need one iteration more or less.  One rank renews contacts apart (manual: sec-time-contact-entries), with 2 % more
+    a hundred may need one iteration more or less.  One rank renews contacts apart (manual: sec-time-contact-entries), with 3 % more
     iterations at this tolerance; two and three ranks take the same path.
     """
     tables = [read_table(folder / "history.csv") for folder in runs[kind]]
@@ -88,7 +88,7 @@ def test_flow_is_the_same_on_1_2_and_3_ranks(kind, runs):
         assert summary["steps"] == summaries[0]["steps"]
         switches = kind in ("drilling", "moving")  # of 630: contacts apart; sums in another order
         iterations = [t["newton_iterations"] for t in (summary, summaries[0], summaries[1])]
-        assert abs(iterations[0] - iterations[1]) <= (13 if switches else 0)
+        assert abs(iterations[0] - iterations[1]) <= (20 if switches else 0)
         assert abs(iterations[0] - iterations[2]) <= (10 if switches else 0)
         for figure in ("pumped", "returned", "content_change"):
             assert summary["mass"][figure] == pytest.approx(summaries[0]["mass"][figure], rel=1e-9)

@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include "core/step.hpp"
+#include "newton/secants.hpp"
 
 using namespace dp;
 
@@ -36,13 +37,14 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // q, rows, increment, scale (n): unknowns, residual, increment, usual sizes.  forces (force_count): rows that do work along an increment, null
 // for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
-// switching: contacts of any rank may open or close.  last, first: sizes of the last increment and of the first of this solve; theta: contraction.
+// switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first increment of this solve
+// and of what its pairs left of the last one; theta: contraction.
 // renewed: iteration that renewed the contacts last.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
 DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
-    const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts;
+    const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts; SecantCall* secants;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
     double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
@@ -73,7 +75,9 @@ DP_EXPORT_RECORD(contact_call, ContactCall)
 DP_EXPORT_RECORD(flag_call, FlagCall)
 DP_EXPORT_RECORD(reason_call, ReasonCall)
 DP_EXPORT_RECORD(parts_call, PartsCall)
+DP_EXPORT_RECORD(secant_call, SecantCall)
 DP_EXPORT_RECORD(newton_call, NewtonCall)
+DP_CONSTANT(secant_vectors, 2 + 2 * SECANTS)
 
 extern "C" {
 int chain_factor(int, int, int, const void*, double*, const int*, const int*, const int*, const int*, const int*, const int*, const int*,
@@ -298,6 +302,7 @@ Outcome jacobian(NewtonCall& c) {
 // A factorisation that fits.
 Outcome prepare(NewtonCall& c) {
     if (reusable(c)) return DONE;
+    if (c.secants) c.secants->count = 0;
     Outcome reached;
     if (contacts_suffice(c)) {
         reached = renew_contacts(c);
@@ -317,11 +322,15 @@ bool leaves_work(const NewtonCall& c, double size) {
     return std::fabs(power) > c.work_limit;
 }
 
-// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).
-int judge(NewtonCall& c) {
+double size_of(const NewtonCall& c, const double* increment) { return scaled_size(c.n, increment, c.scale, c.spacing, c.q); }
+
+// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).  plain: the increment of the
+// factors; left: what pairs leave of it; fraction: the part of the step that was taken.
+int judge(NewtonCall& c, const double* plain, const double* left, double fraction) {
     const ReasonCall& r = *c.reasons;
-    double found[2] = {double(!finite_sum(c.n, c.rows)), scaled_size(c.n, c.increment, c.scale, c.spacing, c.q)};
-    over_ranks(c.parts->largest, found, 2);
+    double found[3] = {double(!finite_sum(c.n, c.rows)), fraction * size_of(c, plain), 0.0};
+    found[2] = left == plain ? found[1] : fraction * size_of(c, left);
+    over_ranks(c.parts->largest, found, 3);
     const double size = found[1];
     if (found[0] > 0.0) return r.not_a_number;
     if (c.iterations > 1 && c.last > 0.0) {
@@ -331,22 +340,46 @@ int judge(NewtonCall& c) {
         c.eta = c.theta < 1.0 ? c.theta / (1.0 - c.theta) : 10.0;
     }
     if (c.iterations == 1) c.first = size;
-    c.last = size;
-    const double error = c.eta * size;
+    c.last = found[2];
+    const double error = c.eta * c.last;
     if (error <= c.tolerance && (c.iterations >= c.max_iterations || !leaves_work(c, error))) return r.converged;
     return c.iterations >= c.max_iterations ? r.too_many : 0;
 }
 
 int reason_of(const NewtonCall& c, Outcome ended) { return ended == NO_PIVOT ? c.reasons->no_pivot : c.reasons->raised; }
 
-// One secant step back where the increment overshoots (manual: eq-time-line-search); before: this rank's work along it before it was taken.
-Outcome shorten(NewtonCall& c, double before) {
+// One secant step back where the increment overshoots (manual: eq-time-line-search); before: this rank's work along it before it was taken;
+// fraction: the part of it that is kept.
+Outcome shorten(NewtonCall& c, double before, double& fraction) {
     double both[2] = {before, work(c)};
     over_ranks(c.parts->sum, both, 2);
     if (!(both[0] < 0.0 && both[1] > -c.overshoot * both[0])) return DONE;
-    const double fraction = both[0] / (both[0] - both[1]);
-    shorten_step(c.n, fraction > c.shortest ? fraction : c.shortest, c.increment, c.q);
+    fraction = both[0] / (both[0] - both[1]);
+    if (fraction < c.shortest) fraction = c.shortest;
+    shorten_step(c.n, fraction, c.increment, c.q);
     return residual(c);
+}
+
+// The increment of the factors becomes that of the pairs.
+void accelerate(NewtonCall& c) {
+    Secants secants(*c.secants);
+    double products[SECANT_PRODUCTS];
+    const int count = secants.take(c.increment, products);
+    if (!count) return;
+    over_ranks(c.parts->sum, products, count);
+    secants.accelerate(products, c.increment);
+}
+
+// A step from the increment of the factors, and the rows after it.
+Outcome advance(NewtonCall& c, double& fraction) {
+    if (c.secants) accelerate(c);
+    // along the negative step: the solution of the factors is subtracted
+    take_step(c.n, c.increment, c.q);
+    const double before = c.line_search ? work(c) : 0.0;
+    Outcome reached = residual(c);
+    if (reached == DONE && c.line_search) reached = shorten(c, before, fraction);
+    if (c.secants) Secants(*c.secants).keep(c.increment);
+    return reached;
 }
 
 }  // namespace
@@ -355,7 +388,7 @@ extern "C" {
 // The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
 int newton_judge(NewtonCall* call, int iteration) {
     call->iterations = iteration;
-    if (iteration) return judge(*call);
+    if (iteration) return judge(*call, call->increment, call->increment, 1.0);
     call->theta = 0.0;
     call->renewed = 0;
     return anywhere(*call, !finite_sum(call->n, call->rows)) ? call->reasons->not_a_number : 0;
@@ -381,18 +414,16 @@ int newton_solve(NewtonCall* call) {
     }
     if (ended != DONE) return reason_of(c, ended);
     if (const int reason = newton_judge(call, 0)) return reason;
+    if (c.secants) c.secants->count = 0;
     for (;;) {
+        double fraction = 1.0;
         ended = prepare(c);
         if (ended == DONE) ended = solve(c);
-        if (ended != DONE) return reason_of(c, ended);
-        // along the negative step: the solution of the factors is subtracted
-        take_step(c.n, c.increment, c.q);
-        const double before = c.line_search ? work(c) : 0.0;
-        ended = residual(c);
-        if (ended == DONE && c.line_search) ended = shorten(c, before);
+        if (ended == DONE) ended = advance(c, fraction);
         if (ended != DONE) return reason_of(c, ended);
         c.iterations++;
-        if (const int reason = judge(c)) return reason;
+        const double *plain = c.secants ? c.secants->memory : c.increment, *left = c.secants ? plain + c.n : plain;
+        if (const int reason = judge(c, plain, left, fraction)) return reason;
     }
 }
 }

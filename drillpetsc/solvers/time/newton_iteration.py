@@ -22,7 +22,7 @@ from drillpetsc.fem.assembly import StepCalls
 from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import structure
+from drillpetsc.kernels.parameters import constant, structure
 from drillpetsc.solvers.chain.chain_lu import ChainFactor, ZeroPivot
 from drillpetsc.solvers.time.newton_work import ResidualWork
 
@@ -33,11 +33,13 @@ _judge, _reusable = (
 )
 _new_entries = function("newton_new_entries", "p")
 _NewtonCall, _ReasonCall = structure("newton_call"), structure("reason_call")
-_ContactCall, _FlagCall, _PartsCall = (
+_ContactCall, _FlagCall, _PartsCall, _SecantCall = (
     structure("contact_call"),
     structure("flag_call"),
     structure("parts_call"),
+    structure("secant_call"),
 )
+_SECANT_VECTORS = int(constant("secant_vectors"))
 _Part, _PartFrom = ctypes.CFUNCTYPE(ctypes.c_int), ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int)
 _Reduction = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_double), ctypes.c_int)
 
@@ -60,7 +62,7 @@ SHORTEST_STEP_FRACTION = 0.05
 CONTACT_ITERATIONS = 5
 #: a factorisation is reused while the shift has changed by less than this, the contraction is better than this, and this
 #: many iterations have not sufficed (manual: sec-time-newton)
-SHIFT_CHANGE, CONTRACTION, LAG_ITERATIONS = 0.2, 0.25, 4
+SHIFT_CHANGE, CONTRACTION, LAG_ITERATIONS = 0.2, 0.5, 8
 
 
 class NewtonIteration:
@@ -166,9 +168,16 @@ class NewtonIteration:
             rows, rates = self.work.pairs
             record.power_rows, record.power_rates = pointer(rows), pointer(rates)
             record.power_count = len(rows)
-        if system.comm.size == 1 and self.factor is not None:
-            self._chain = self.factor.record()
-            record.chain = ctypes.addressof(self._chain)
+        if self.factor is not None:
+            n = len(self.q)
+            self._secant_memory, self._squares = np.zeros((_SECANT_VECTORS, n)), self.scale**-2.0
+            self._secants = _SecantCall(
+                memory=pointer(self._secant_memory), weights=pointer(self._squares), n=n
+            )
+            record.secants = ctypes.addressof(self._secants)
+            if system.comm.size == 1:
+                self._chain = self.factor.record()
+                record.chain = ctypes.addressof(self._chain)
         return record
 
     def _use_python(self, *names: str) -> None:
