@@ -20,7 +20,7 @@ OPERATION = 0.08e-9  # s for each operation of the elimination of small blocks
 STEP = 260e-6  # s of each step, whatever the number of elements
 ITERATION = 2e-6, 25e-6  # s of each iteration: one compiled call on one rank, its parts on several
 #: sums over all ranks: of each step and of each iteration
-SUMS = 1.5, 3.0
+SUMS = 1.5, 3.7
 #: exchanges with neighbours: of each step and of each residual
 EXCHANGES = 2.0, 2.0
 #: s of a call beside the message; s of a message between two ranks of a machine, and of a byte
