@@ -81,11 +81,19 @@ def test_period_and_speed():
 
 
 def test_through_a_case_file(tmp_path):
-    """The same limit cycle from a case file, with the whole string rotating like its top at the start."""
+    """The same limit cycle from a case file, with the whole string rotating like its top at the start.
+
+    At a finite speed of the law the stick time is 4.11 s.  At the default tolerance it scatters from 4.10 to 4.15 s with the steps.
+    """
     path = tmp_path / "stick-slip.yaml"
     path.write_text(
         yaml.safe_dump(
-            case() | {"time": {"end": 18.0}, "output": {"history_every": 0.01, "field_every": 9.0}}
+            case()
+            | {
+                "time": {"end": 18.0},
+                "output": {"history_every": 0.01, "field_every": 9.0},
+                "petsc": {"ts_rtol": 1e-5},
+            }
         )
     )
     table = read_table(run(path, out=tmp_path / "run", progress="silent").folder / "history.csv")

@@ -37,8 +37,8 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // q, rows, increment, scale (n): unknowns, residual, increment, usual sizes.  forces (force_count): rows that do work along an increment, null
 // for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
-// switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first increment of this solve
-// and of what its pairs left of the last one; theta: contraction.
+// switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first and the last step of this
+// solve; last_left: of what the pairs left of the last increment; theta: contraction.
 // renewed: iteration that renewed the contacts last.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
@@ -46,7 +46,7 @@ DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
     const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts; SecantCall* secants;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
-    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, first, theta, seconds[4];
+    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, last_left, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
     int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
@@ -324,24 +324,32 @@ bool leaves_work(const NewtonCall& c, double size) {
 
 double size_of(const NewtonCall& c, const double* increment) { return scaled_size(c.n, increment, c.scale, c.spacing, c.q); }
 
-// Reason to end after an increment, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).  plain: the increment of the
-// factors; left: what pairs leave of it; fraction: the part of the step that was taken.
+// Reason to end after a step, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).  plain: the increment of the factors, for
+// the step; left: what pairs leave of it; fraction: the part of the step that was taken.
 int judge(NewtonCall& c, const double* plain, const double* left, double fraction) {
     const ReasonCall& r = *c.reasons;
-    double found[3] = {double(!finite_sum(c.n, c.rows)), fraction * size_of(c, plain), 0.0};
-    found[2] = left == plain ? found[1] : fraction * size_of(c, left);
-    over_ranks(c.parts->largest, found, 3);
+    double found[4] = {double(!finite_sum(c.n, c.rows)), size_of(c, c.increment), 0.0, 0.0};
+    found[2] = plain == c.increment ? found[1] : fraction * size_of(c, plain);
+    found[3] = left == plain ? found[2] : fraction * size_of(c, left);
+    over_ranks(c.parts->largest, found, 4);
     const double size = found[1];
+    double eta = c.eta;
     if (found[0] > 0.0) return r.not_a_number;
     if (c.iterations > 1 && c.last > 0.0) {
         c.theta = size / c.last;
         if (c.theta >= 2.0 && c.iterations > 4 && size > c.first) return r.diverging;
         if (c.theta > 0.5 && size < c.rounding) return r.converged;
-        c.eta = c.theta < 1.0 ? c.theta / (1.0 - c.theta) : 10.0;
+        // two steps alone look converged where secants take the whole increment for known: the factors must reduce what was left, too
+        double worst = c.theta;
+        if (c.last_left > 0.0 && found[2] / c.last_left > worst) worst = found[2] / c.last_left;
+        eta = worst < 1.0 ? worst / (1.0 - worst) : 10.0;
+        // the next solve begins without secants, and with factors that are as old as those of this one's first two steps
+        if (!c.secants || (c.iterations == 2 && c.secants->count == 2)) c.eta = eta;
     }
     if (c.iterations == 1) c.first = size;
-    c.last = found[2];
-    const double error = c.eta * c.last;
+    c.last = size;
+    c.last_left = found[3];
+    const double error = eta * (size > c.last_left ? size : c.last_left);
     if (error <= c.tolerance && (c.iterations >= c.max_iterations || !leaves_work(c, error))) return r.converged;
     return c.iterations >= c.max_iterations ? r.too_many : 0;
 }
