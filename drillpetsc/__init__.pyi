@@ -3202,6 +3202,7 @@ def follow(
     wait: str | float | Sequence[str | float] = '0 s',
     until: str | None = None,
     restart: bool = False,
+    model: Literal['soft', 'stiff'] = 'soft',
     units: Literal['field', 'metric', 'metric_t', 'SI'] | None = None,
     overwrite: bool = False,
     name: str | None = None,
@@ -3221,6 +3222,7 @@ def follow(
     wait: how long to wait for new rows at the end of a file, or for a WITS server that has closed (default: not at all) (default: 0 s)
     until: where to stop: time since the first row, as 2 h, or a depth of a log by depth
     restart: continue the folder out, or the latest, from its state.json
+    model: soft: soft string; stiff: the beam as well, a state about every stand, which takes about a second; says where both differ (default: soft)
     units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
     overwrite: replace the results in an existing out
     name: name of the case in the default folder

@@ -369,6 +369,10 @@ class Follow(FolderOperation):
         "where to stop: time since the first row, as 2 h, or a depth of a log by depth",
     ] = None
     restart: Annotated[bool, "continue the folder --out, or the latest, from its state.json"] = False
+    model: Annotated[
+        Literal["soft", "stiff"],
+        "soft: soft string; stiff: the beam as well, a state about every stand, which takes about a second; says where both differ",
+    ] = "soft"
 
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.follow.session import Choices, run_follow
@@ -377,6 +381,6 @@ class Follow(FolderOperation):
 
         choices = Choices(
             self.log, self.map, prior_option(self.prior), self.every, self.pace, self.wait,
-            None if self.until is None else time_or_depth(self.until, "--until"), self.restart,
+            None if self.until is None else time_or_depth(self.until, "--until"), self.restart, self.model,
         )  # fmt: skip
         return run_follow(job, choices)

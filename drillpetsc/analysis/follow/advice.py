@@ -1,10 +1,19 @@
-"""An alarm in words that a driller acts on: what, since which depth, how much, and the margin left."""
+"""Alarms, and differences of the models, in words that a driller acts on."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.follow.alarms import PRESSURE, PRESSURE_LOST, PULL, RUN_IN, TORQUE, WEIGHT, Alarm
+from drillpetsc.analysis.follow.alarms import (
+    INSIDE,
+    PRESSURE,
+    PRESSURE_LOST,
+    PULL,
+    RUN_IN,
+    TORQUE,
+    WEIGHT,
+    Alarm,
+)
 from drillpetsc.analysis.follow.follower import Follower, Update
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.operations import groups_of
@@ -22,6 +31,7 @@ LOOK_FOR = {
     PRESSURE: "packing off or plugged nozzles",
     PRESSURE_LOST: "a washout, a lost nozzle or a pump that fails",
 }
+STIFF = "stiff string"
 _KIND = {"hook_load": "force", "torque": "torque", "pump_pressure": "pressure"}
 _READING = {PULL: "hook_load", RUN_IN: "hook_load", WEIGHT: "hook_load", TORQUE: "torque"}
 
@@ -36,6 +46,33 @@ def told(case: Case, alarm: Alarm, update: Update, follower: Follower) -> str:
     text = f"MD {where}, {alarm.operation.replace('_', ' ')}: {alarm.kind}, {size} ({abs(alarm.share):.0%}) {side} the forecast of one stand before, "
     text += f"building since MD {since}; {_margin(case, reading, update, follower)}; look for {LOOK_FOR[alarm.kind]}"
     return text
+
+
+def models_told(case: Case, update: Update) -> dict[str, str]:
+    """reading -> where beam and soft string differ by more than the 90 % band of its forecast, and which one to trust."""
+    both, load, units, out = update.compared, update.reading.load, case.shown_units, {}
+    if both is None:
+        return {}
+    where = shown(load.bit_depth, "length", units, 5)
+    for k, name in enumerate(("hook_load", "torque")):
+        off, error = float(both.stiff[k] - both.soft[k]), update.forecast.get(name)
+        if error is None or abs(off) <= INSIDE * error.sd:
+            continue
+        size, band = (shown(q, _KIND[name], units, 3, plot=k == 1) for q in (abs(off), INSIDE * error.sd))
+        side = "above" if off > 0 else "below"
+        text = f"MD {where}, {load.operation.replace('_', ' ')}: {STIFF}, {name.replace('_', ' ')} {size} "
+        text += f"({abs(off / both.soft[k]):.0%}) {side} the soft string's, beyond the 90 % band of {band}; "
+        if both.origins is None:
+            out[name] = text + "trust neither: buckled and held by friction, it has one of several states"
+            continue
+        origin, more_drag = both.origins[k], off * (1.0 if k else load.velocity) > 0
+        why = (
+            "presses on bends of the hole" if more_drag else "bridges bends of the hole within its clearance"
+        )
+        why = "is coiled, which the soft string has as a formula" if origin.coiled else why
+        place = " to ".join(shown(q, "length", units, 4) for q in (origin.upper, origin.lower))
+        out[name] = f"{text}trust the stiff string: most of it arises at MD {place}, where the pipe {why}"
+    return out
 
 
 def _margin(case: Case, reading: str, update: Update, follower: Follower) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 PULL, RUN_IN, TORQUE, WEIGHT, PRESSURE, PRESSURE_LOST = (
     "drag on pull", "drag on run in", "torque", "weight lost", "pressure", "pressure lost",
 )  # fmt: skip
+INSIDE = 1.645  # standard deviations of a 90 % band
 ROW = 5.0  # length of a row while the string turns on bottom [m]
 SUSPECT = 1.0  # of a sum, beyond which rows do not teach the filter
 #: (drift, height) of the one-sided sum max(0, g + e - drift): by stands, and by rows of `ROW`, whose errors are alike

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.follow.alarms import Alarm, Error, PressureTrack, Watch
+from drillpetsc.analysis.follow.beam import Beam, Compared, Model
 from drillpetsc.analysis.follow.sigma_points import Belief, Expected, corrected, expected
 from drillpetsc.analysis.follow.state import STAND, first_belief, states_of, walked, with_priors
 from drillpetsc.analysis.follow.strings import SLIPS, Load, Strings, factors_of
@@ -69,6 +70,7 @@ class Update:
 
     number; reading; forecast: reading -> its error by the forecast of one stand before; last: reading -> value one stand before.
     belief: after the row; taught: whether the row corrected it; ahead: None where the hole ends or nothing turns or moves.
+    compared: beam and soft string before the row, None in rows without one.
     """
 
     number: int
@@ -79,6 +81,7 @@ class Update:
     taught: bool
     ahead: Ahead | None
     alarms: list[Alarm]
+    compared: Compared | None
 
 
 @dataclass
@@ -93,16 +96,21 @@ class _Past:
 
 
 class Follower:
-    """The estimate for a case; ``see`` takes one row after another."""
+    """The estimate for a case; ``see`` takes one row after another.
+
+    block: weight [N]; priors: as for ``with_priors``; model: of the string, soft or stiff.
+    Raises CaseError for a case whose model cannot answer.
+    """
 
     def __init__(
-        self, case: Case, block: float, priors: Mapping[str, tuple[float, float]] | None = None
-    ) -> None:
+        self, case: Case, block: float, priors: Mapping[str, tuple[float, float]] | None = None, model: Model = "soft"
+    ) -> None:  # fmt: skip
         self.case = case
         drilling = load_of(case, plan_of(case), "drilling")
         self.states = states_of(factors_of(case), block, drilling.torque / max(drilling.wob, 1.0))
         self.states = with_priors(self.states, priors or {})
         self.strings = Strings(case, self.states)
+        self.beam = Beam(self.strings, model)
         self.belief = first_belief(self.states)
         self.watch, self.pressure = Watch(), PressureTrack()
         self.number, self.moved, self.depth = 0, 0.0, np.nan
@@ -118,6 +126,7 @@ class Follower:
         self.depth = load.bit_depth
         self.belief = walked(self.states, self.belief, distance)
         self.pressure.walk(distance)
+        compared = self.beam.look(load, self.belief.mean)
         past = self._one_stand_before(load)
         forecast = {} if past is None else self._forecast(past, row)
         last = {} if past is None or past.operation != load.operation else past.values
@@ -128,7 +137,9 @@ class Follower:
         self.pressure.see(row.pump_pressure, load.flow, taught)
         self._remember(row)
         self.number += 1
-        return Update(self.number, row, forecast, last, self.belief, taught, self._ahead(row), alarms)
+        return Update(
+            self.number, row, forecast, last, self.belief, taught, self._ahead(row), alarms, compared
+        )
 
     # ------------------------------------------------------------------ forecast
     def _one_stand_before(self, load: Load) -> _Past | None:
@@ -222,7 +233,7 @@ class Follower:
             "mean": self.belief.mean.tolist(),
             "covariance": self.belief.covariance.tolist(),
             "number": self.number, "moved": self.moved, "depth": self.depth, "suspect_from": self._suspect_from,
-            "past": past, "watch": self.watch.saved(), "pressure": self.pressure.saved(),
+            "past": past, "watch": self.watch.saved(), "pressure": self.pressure.saved(), "beam": self.beam.saved(),
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -236,6 +247,7 @@ class Follower:
         )
         self.watch.restore(saved["watch"])
         self.pressure.restore(saved["pressure"])
+        self.beam.restore(saved["beam"])
 
 
 def _number(value: float | None) -> float:

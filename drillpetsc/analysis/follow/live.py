@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.analysis.follow.alarms import INSIDE
 from drillpetsc.analysis.follow.follower import Follower, Update
 from drillpetsc.analysis.follow.strings import SLIPS
 from drillpetsc.case.case import Case
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.shown_units import shown_unit
 
-INSIDE = 1.645  # standard deviations of a 90 % band
 MOST = 600  # rows that the page draws
 FAR = 100.0  # depth between rows that no line joins [m]
 

@@ -13,12 +13,14 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.analysis.commands.import_log import measured_point, weights
-from drillpetsc.analysis.follow.advice import told
+from drillpetsc.analysis.follow.advice import STIFF, models_told, told
+from drillpetsc.analysis.follow.alarms import INSIDE
+from drillpetsc.analysis.follow.beam import Model
 from drillpetsc.analysis.follow.follower import Follower, Reading, Update
 from drillpetsc.analysis.follow.live import write_page
 from drillpetsc.analysis.follow.readers import Reader, reader_of
 from drillpetsc.analysis.follow.strings import SLIPS, Load
-from drillpetsc.analysis.follow.update_table import READINGS, UpdateTable
+from drillpetsc.analysis.follow.update_table import READINGS, UpdateTable, columns_of
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
@@ -29,6 +31,7 @@ from drillpetsc.logs.points import Point
 from drillpetsc.logs.quality import check_sizes
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.run_folder import FOLLOW_PAGE, FOLLOW_STATE, FOLLOW_TABLE, RunFolder, make_folder
+from drillpetsc.output.files.tables import header
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.unit_systems import duration, shown
 from drillpetsc.unit_tables import FOOT
@@ -38,7 +41,6 @@ WRITTEN_EACH = 2.0  # seconds between states and pages
 STOPPED_AFTER = 60.0  # seconds without a row after which the feed has stopped
 SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one connection to the next [N]
 DEEPER = 1.1  # of the hole's end: a log that begins further down has other units, or is of another well
-INSIDE = 1.645  # standard deviations of a 90 % band
 KEPT_ALARMS = 200
 ZERO = "was zero, as of a dead sensor, and was left out"
 BEYOND = "a reading was beyond what a rig can have, and the row was left out: another unit?"
@@ -52,7 +54,7 @@ _WITH = {"torque": "rpm", "pump_pressure": "flow_rate"}
 
 @dataclass(frozen=True)
 class Choices:
-    """Options of the command: --log, --map, --prior, --every [m], --speed, --wait [s], --until [s or m], --restart."""
+    """Options of the command: --log, --map, --prior, --every [m], --speed, --wait [s], --until [s or m], --restart, --model."""
 
     log: str
     mapping: tuple[str, ...] = ()
@@ -62,6 +64,7 @@ class Choices:
     wait: float = 0.0
     until: float | None = None
     restart: bool = False
+    model: Model = "soft"
 
 
 def run_follow(job: Job, choices: Choices) -> RunResult:
@@ -89,11 +92,13 @@ class _Session:
         self.job, self.case, self.choices, self.reader = job, job.case, choices, reader
         rig = self.case.rig
         self.block = None if rig is None else rig.block_weight
-        self.follower = Follower(self.case, self.block or 0.0, choices.priors)
+        self.follower = Follower(self.case, self.block or 0.0, choices.priors, choices.model)
         self.growing: GrowingLog | None = None
         self.first: list[Log] = []  # rows until their sizes are checked
         self.updates: list[Update] = []
         self.alarms: list[dict[str, Any]] = []
+        self.differences: list[dict[str, Any]] = []  # of the models
+        self.differ: list[str] = []  # operations and readings in which they do at present
         self.score = {name: _Score() for name, _ in READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
         self.unused: Counter[str] = (
@@ -223,14 +228,30 @@ class _Session:
             del self.updates[:-4000]
             for alarm in update.alarms:
                 words = told(self.case, alarm, update, self.follower)
-                self.alarms.append(
-                    {"row": update.number, "when": self._when(moment), "kind": alarm.kind, "text": words}
-                )
-                print(" ".join(filter(None, ("ALARM", self._when(moment), words))), flush=True)
-            del self.alarms[:-KEPT_ALARMS]
+                self._tell(self.alarms, "ALARM", update, alarm.kind, words)
+            self._compare(update)
             for name, error in update.forecast.items():
                 self.score[name].add(error.reading, error.forecast, error.sd, update.last.get(name, math.nan))
             self.table.add(update)
+
+    def _tell(self, kept: list[dict[str, Any]], head: str, update: Update, kind: str, words: str) -> None:
+        when = self._when(update.reading.time)
+        kept.append({"row": update.number, "when": when, "kind": kind, "text": words})
+        del kept[:-KEPT_ALARMS]
+        print(" ".join(filter(None, (head, when, words))), flush=True)
+
+    def _compare(self, update: Update) -> None:
+        """Say that the models differ when they begin to do so."""
+        if update.compared is None:
+            return
+        found = {
+            f"{update.reading.load.operation} {name}": words
+            for name, words in models_told(self.case, update).items()
+        }
+        for words in (words for key, words in found.items() if key not in self.differ):
+            self._tell(self.differences, "MODELS", update, STIFF, words)
+        self.differ = [key for key in self.differ if not key.startswith(f"{update.reading.load.operation} ")]
+        self.differ += found
 
     def _reading(self, point: Point, moment: float) -> Reading:
         values = self._live(point.values)
@@ -293,7 +314,7 @@ class _Session:
         assert self.growing is not None
         return {
             "log": self.choices.log, "feed": self.feed, "written": datetime.now(UTC).isoformat(timespec="seconds"),
-            "estimate": self._estimate(), "alarms": self.alarms, "position": self.position if self.finished else self.reader.position(),
+            "estimate": self._estimate(), "alarms": self.alarms, "differences": self.differences, "differ": self.differ, "position": self.position if self.finished else self.reader.position(),
             "skip": self.since_position if self.finished else 0, "rows": self.rows,
             "titles": self.reader.titles, "unused": dict(self.unused), "score": {name: q.__dict__ for name, q in self.score.items()},
             "growing": self.growing.saved(), "follower": self.follower.saved(),
@@ -309,8 +330,9 @@ class _Session:
     def _page(self) -> None:
         assert self.folder is not None
         write_page(
-            self.folder.path / FOLLOW_PAGE, self.case, self.feed, self.updates, self.follower, self.alarms
-        )
+            self.folder.path / FOLLOW_PAGE, self.case, self.feed, self.updates, self.follower,
+            sorted(self.alarms + self.differences, key=lambda q: int(q["row"])),
+        )  # fmt: skip
 
     def _go_on(self) -> None:
         """Continue a folder: its state, and the rows of its table that belong to it."""
@@ -321,10 +343,12 @@ class _Session:
                 at="--restart", got=self.folder.path, want=f"a folder of follow, with {FOLLOW_STATE}"
             )
         saved = read_summary(path)
-        if saved["follower"]["states"] != [q.name for q in self.follower.states]:
-            raise CaseError(
-                at="--restart", got="a case with other friction groups", want="the case of the folder"
-            )
+        with open(self.folder.path / FOLLOW_TABLE, encoding="utf-8") as table:
+            if table.readline().strip().split(",") != header(columns_of(self.follower.states)):
+                raise CaseError(
+                    at="--restart", got="a case with other friction groups, or a folder of another version of the program",
+                    want="the case and the version of the folder",
+                )  # fmt: skip
         self.reader.go_on_from(saved["position"])
         self.skip = saved["skip"]
         weigh = weights(self.case, np.array([0.0, float(self.case.given_well.survey.md[-1])]))
@@ -332,6 +356,7 @@ class _Session:
         self.growing.restore(saved["growing"])
         self.follower.restore(saved["follower"])
         self.rows, self.alarms, self.unused = saved["rows"], saved["alarms"], Counter(saved["unused"])
+        self.differences, self.differ = saved["differences"], saved["differ"]
         self.score = {name: _Score(**values) for name, values in saved["score"].items()}
         self.table = UpdateTable(self.folder.path / FOLLOW_TABLE, self.follower.states, self.follower.number)
 
@@ -340,12 +365,13 @@ class _Session:
         assert self.folder is not None
         self.table.close()
         self._page()
-        growing = self.growing
+        growing, beam = self.growing, self.follower.beam
         summary = {
             "title": self.case.title, "units": self.case.shown_units, "feed": self.feed, "rows": self.rows,
             "rows_dropped_for_depth": 0 if growing is None else growing.dropped, "rows_left_out": dict(self.reader.left_out),
             "updates": self.follower.number, "forecast": {k: q.figures() for k, q in self.score.items() if q.n},
-            "estimate": self._estimate(), "alarms": self.alarms, "warnings": self._warnings(), "notes": [*self.reader.remarks, *self.follower.strings.remarks],
+            "estimate": self._estimate(), "alarms": self.alarms, "warnings": self._warnings(), "notes": [*self.reader.remarks, *self.follower.strings.remarks, *beam.remarks],
+            "model": self.choices.model, "model_differences": self.differences, "beam_seconds": beam.seconds,
         }  # fmt: skip
         write_summary(self.folder.summary, summary)
         return RunResult(self.folder.path, summary, self._lines(summary))
@@ -377,6 +403,11 @@ class _Session:
             lines.append(f"  {name}: {mean} +- {sd}")
         assert self.folder is not None
         lines += [f"  WARNING: {q}" for q in summary["warnings"]]
+        if seconds := self.follower.beam.seconds:
+            lines.append(
+                f"  stiff string: {len(seconds)} states, {np.mean(seconds):.1f} s each, the longest {max(seconds):.1f} s; "
+                f"beyond the band of the soft one {len(self.differences)} times"
+            )
         lines += [f"  alarms: {len(self.alarms)}", *(f"  note: {q}" for q in summary["notes"])]
         return [*lines, f"  results: {self.folder.path}: {FOLLOW_TABLE}, {FOLLOW_STATE}, {FOLLOW_PAGE}"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,10 +48,29 @@ class Load:
         return self.operation in ("drilling", "sliding")
 
 
+@dataclass(frozen=True)
+class Tangent:
+    """What a beam has at its top beyond the soft string, near a state.
+
+    at: friction factors and weight factor of the state; ends: (2,) tension [N] and torque [N m] there; slopes: (2,) of each by name.
+    """
+
+    at: dict[str, float]
+    ends: list[float]
+    slopes: dict[str, list[float]]
+
+    def of(self, states: Mapping[str, FloatArray]) -> FloatArray:
+        """(2, s) tension and torque for states (s,) each; friction is that in the string."""
+        away = [
+            np.array(slope)[:, None] * (states[name] - self.at[name]) for name, slope in self.slopes.items()
+        ]
+        return np.array(self.ends)[:, None] + np.sum(away, axis=0)
+
+
 class Strings:
     """Soft strings of a case at any bit depth, one at a time.
 
-    remarks: what could not be computed, each once.
+    tangents: operation -> what a beam adds to them; remarks: what could not be computed, each once.
     """
 
     def __init__(self, case: Case, states: Sequence[State]) -> None:
@@ -60,6 +79,7 @@ class Strings:
         self.names = [q.name for q in states]
         self.group, self.own = groups_of(case), np.array([s.friction for s in case.given_well.sections])
         self.sensor, self.remarks = sensor_of(case), list[str]()
+        self.tangents: dict[str, Tangent] = {}
         self._depth = np.nan
         self._string: SoftEnds | None = None
         self._flows: dict[tuple[int, int], Circulation | None] = {}
@@ -88,10 +108,11 @@ class Strings:
         if load.rotation and np.isnan(load.torque_on_bit):
             bit = load.wob * np.maximum(of["bit_torque"], 0.0)
         own = np.column_stack([*(of[name] for name in groups), of["weight_factor"], bit])
+        own[:, : len(groups)] = np.clip(own[:, : len(groups)], 0.0, 1.0)
         own, which = np.unique(own, axis=0, return_inverse=True)
         same, friction = np.ones(len(own)), np.tile(self.own, (len(own), 1))
         for k, name in enumerate(groups):
-            friction[:, self.group == name] = np.clip(own[:, k], 0.0, 1.0)[:, None]
+            friction[:, self.group == name] = own[:, k][:, None]
         string = self._at(load.bit_depth)
         lift, thrust = self._mud(load, string.edges[0])
         columns = Columns(
@@ -99,6 +120,11 @@ class Strings:
             load.rotation * same, own[:, -2], thrust=thrust * same,
         )  # fmt: skip
         tension, torque, *_ = string.ends(columns, None if lift is None else [lift] * len(own))
+        if load.operation in self.tangents:
+            more = self.tangents[load.operation].of(
+                dict(zip([*groups, "weight_factor"], own.T, strict=False))
+            )
+            tension, torque = tension + more[0], torque + more[1]
         return tension[which.ravel()], torque[which.ravel()]
 
     def _at(self, depth: float) -> SoftEnds:

@@ -64,6 +64,8 @@ def columns_of(states: Sequence[State]) -> list[tuple[str, str]]:
     columns += [("ahead_bit_depth", "m")]
     for name, unit in READINGS[:2]:
         columns += [(f"ahead_{name}", unit), (f"ahead_{name}_sd", unit)]
+    for model in ("soft", "stiff"):
+        columns += [(f"{model}_{name}", unit) for name, unit in READINGS[:2]]
     return [*columns, ("taught", "-"), ("alarm", "-")]
 
 
@@ -89,5 +91,7 @@ def _cells(update: Update) -> list[Any]:
         if ahead is None
         else [ahead.bit_depth, *np.column_stack([ahead.mean, ahead.sd]).ravel()]
     )
+    both = update.compared
+    cells += [math.nan] * 4 if both is None else [*both.soft.tolist(), *both.stiff.tolist()]
     cells = [f"{q:.9g}" if isinstance(q, float) else q for q in cells]
     return [*cells, int(update.taught), "; ".join(q.kind for q in update.alarms)]

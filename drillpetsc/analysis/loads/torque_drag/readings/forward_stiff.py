@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from petsc4py import PETSc
@@ -40,11 +41,11 @@ class _Solved:
 class StiffForward:
     """Static equilibria of the beam at measured points, which the ranks share out.
 
-    soft: the soft strings of the points, from which the buoyed weights and the flow come.
-    Raises CaseError for a case whose beam cannot answer, and for a point without a state at the case's numbers.
+    soft: the soft strings of the points, from which the buoyed weights and the flow come; first: parameters at which states are
+    sought first.  Raises CaseError for a case whose beam cannot answer, and for a point without a state there.
     """
 
-    def __init__(self, soft: SoftForward, comm: PETSc.Comm) -> None:
+    def __init__(self, soft: SoftForward, comm: PETSc.Comm, first: Values = MappingProxyType({})) -> None:
         stiff.need_beam(soft.case)
         self.soft, self._comm = soft, comm
         self._known: dict[Named, FloatArray] = {}
@@ -54,7 +55,7 @@ class StiffForward:
         self._derivatives: dict[str, FloatArray] = {}
         self._derived: Values | None = None  # parameters of the derivatives
         self._failed: dict[int, str] = {}
-        self._need_states()
+        self._need_states(first)
 
     def ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
         """As of ``Forward``; collective."""
@@ -84,9 +85,14 @@ class StiffForward:
             return key.value
         return 1.0 if name == "weight_factor" else float(self.soft.own[self.soft.group == name][-1])
 
-    def _need_states(self) -> None:
+    def model_of(self, i: int) -> DrillingModel | None:
+        """The model in the latest state of a point; None at the end of a path of friction, and on the other ranks."""
+        solved = self._states.get(i)
+        return None if solved is None or solved.tangent is None else solved.tangent.model
+
+    def _need_states(self, first: Values) -> None:
         """Raise CaseError for the first point without a state."""
-        self._ends_of(())
+        self._ends_of(self._named(first))
         for i, reason in sorted(self._failed.items()):
             point, units = self.soft.points[i], self.soft.case.shown_units
             got = f"{point.operation} at {shown(point.bit_depth, 'length', units, 6)}"
