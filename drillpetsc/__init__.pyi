@@ -3214,12 +3214,12 @@ def follow(
 
     case: a Case, or the path of a case file
     out: run folder (default: results/<case>-NNN)
-    log: the rig's log: a text table, which may grow; - for standard input; LAS, xlsx, WITSML; a server of WITS level 0, metric, or in feet and pounds with :fps
+    log: the rig's log: a text table, which may grow; - for standard input; LAS, xlsx, WITSML; a server of WITS level 0, metric, or in feet and pounds with :fps; a log of a WITSML store, https://HOST/PATH?well=UID&wellbore=UID&log=UID
     map: the title of the column that holds a channel, and its unit, as in import log; may be given several times
     prior: what is known of a state beforehand, such as cased=0.2+-0.02; may be given several times
     every: length of a row while drilling (default: 1 m)
     pace: replay a log by time X times as fast as it was recorded (default: as fast as rows come)
-    wait: how long to wait for new rows at the end of a file, or for a WITS server that has closed (default: not at all) (default: 0 s)
+    wait: how long to wait for new rows at the end of a file, or for a server that gives none (default: not at all) (default: 0 s)
     until: where to stop: time since the first row, as 2 h, or a depth of a log by depth
     restart: continue the folder out, or the latest, from its state.json
     model: soft: soft string; stiff: the beam as well, a state about every stand, which takes about a second; says where both differ (default: soft)

@@ -260,20 +260,46 @@ def _las3(file: Path, text: str) -> tuple[Curves, str]:
 
 
 # ---------------------------------------------------------------------- WITSML
+@dataclass(frozen=True)
+class DataTable:
+    """The data of a log: names of its columns and what they say; rows as (line, cells), the index first.
+
+    null: text for no value; unit: of the index.
+    """
+
+    titles: list[str]
+    headings: list[Heading]
+    rows: list[tuple[int, list[str]]]
+    null: str
+    unit: str
+
+
 def _witsml(file: Path) -> Sheet:
     """The log of a document; its chunks of data are put one after another."""
     root = read_xml(file)
+    logs = witsml_logs(root, file)
+    if len(logs) != 1:
+        uids = ", ".join(q.attributes.get("uid", "?") for q in logs)[:120]
+        raise CaseError(at="logs", got=f"{len(logs)} ({uids})", want="one log", file=file, line=root.line)
+    found = witsml_table(logs[0], file)
+    if found is None:
+        raise not_a_log(file, logs[0].line, "no logData")
+    return _sheet(file, logs[0].line, found.titles, found.headings, found.rows, found.null)
+
+
+def witsml_logs(root: Element, file: Path) -> list[Element]:
+    """The logs of a document.  Raises CaseError for another document."""
     version = root.attributes.get("version", "")
     if root.name != "logs" or root.space != WITSML or not version.startswith("1.4.1"):
         got = f"<{root.name}> of version {version or 'unknown'}, namespace {root.space or 'none'}"
         raise CaseError(
             got=got[:160], want=f"logs of WITSML 1.4.1, namespace {WITSML}", file=file, line=root.line
         )
-    logs = list(root.all("log"))
-    if len(logs) != 1:
-        uids = ", ".join(q.attributes.get("uid", "?") for q in logs)[:120]
-        raise CaseError(at="logs", got=f"{len(logs)} ({uids})", want="one log", file=file, line=root.line)
-    log = logs[0]
+    return list(root.all("log"))
+
+
+def witsml_table(log: Element, file: Path) -> DataTable | None:
+    """The data of a log, None without any.  Raises CaseError for data without the columns of a log."""
     units = {q.word("mnemonic"): (q.word("unit"), q.word("nullValue")) for q in log.all("logCurveInfo")}
     titles: list[str] = []
     rows: list[tuple[int, list[str]]] = []
@@ -290,10 +316,12 @@ def _witsml(file: Path) -> Sheet:
         for name, unit in zip(names, own, strict=False):
             units[name] = (unit or units.get(name, ("", ""))[0], "")
         rows += _values(chunk, len(names), file)
+    if not rows:
+        return None
     headings = [heading_of(name, units.get(name, ("", ""))[0]) for name in titles]
     if not is_log(headings):
-        raise not_a_log(file, log.line, ", ".join(titles)[:200] or "no logData")
-    return _sheet(file, log.line, titles, headings, rows, nulls.pop() if len(nulls) == 1 else "")
+        raise not_a_log(file, log.line, ", ".join(titles)[:200])
+    return DataTable(titles, headings, rows, nulls.pop() if len(nulls) == 1 else "", units[titles[0]][0])
 
 
 def _values(chunk: Element, width: int, file: Path) -> Iterator[tuple[int, list[str]]]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
-from drillpetsc.logs.channels import READINGS, heading_of
+from drillpetsc.logs.channels import READINGS, Heading, heading_of
 from drillpetsc.logs.clock import ClockError, clock_times
 from drillpetsc.logs.files import TITLE_LINES, Sheet, is_log, not_a_log, text_cells, units_below
 from drillpetsc.logs.log import Log, chosen_columns, column_numbers
@@ -38,6 +38,7 @@ class LogStream:
         self._head: list[str] = []
         self._sheet: Sheet | None = None
         self._mark = ""
+        self._choice: dict[str, int] = {}
         self._last = -np.inf
 
     @property
@@ -54,6 +55,11 @@ class LogStream:
         """Leave out rows up to a time [s], which counts from ``start``, a clock time."""
         self._last = last
         self.start = None if start is None else datetime.fromisoformat(start)
+
+    def begin(self, titles: list[str], headings: list[Heading], null: str) -> None:
+        """Take columns of lines with commas from elsewhere than a first line; null: text for no value."""
+        self._sheet = Sheet(self.name, self.lines, titles, headings, [], self.lines + 1, null)
+        self._mark = ","
 
     def rows(self, lines: Sequence[str]) -> Log | None:
         """The rows of some lines; None if there are none.
@@ -87,7 +93,6 @@ class LogStream:
             if is_log(headings) or self._mapping and {t for t, _ in self._mapping.values()} <= set(titles):
                 self._sheet = Sheet(self.name, self.lines, titles, headings, [], self.lines + 1)
                 self._mark = mark
-                self._choice: dict[str, int] = {}
                 return
         if len(self._head) >= TITLE_LINES:
             raise not_a_log(self.name, 1)

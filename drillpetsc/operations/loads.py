@@ -334,9 +334,9 @@ class Follow(FolderOperation):
 
     log: Annotated[
         str,
-        "FILE|-|wits:HOST:PORT",
+        "FILE|-|wits:HOST:PORT|witsml:URL",
         "the rig's log: a text table, which may grow; - for standard input; LAS, xlsx, WITSML; a server of WITS level 0, "
-        "metric, or in feet and pounds with :fps",
+        "metric, or in feet and pounds with :fps; a log of a WITSML store, https://HOST/PATH?well=UID&wellbore=UID&log=UID",
     ]
     map: Annotated[
         tuple[str, ...],
@@ -361,7 +361,7 @@ class Follow(FolderOperation):
         Numbers,
         number("s", "10 min", at_least=0, at_most=1e7),
         "TIME",
-        "how long to wait for new rows at the end of a file, or for a WITS server that has closed (default: not at all)",
+        "how long to wait for new rows at the end of a file, or for a server that gives none (default: not at all)",
     ] = "0 s"
     until: Annotated[
         str | None,

@@ -7,21 +7,26 @@ import re
 import select
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import datetime
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
 from drillpetsc.errors import CaseError
+from drillpetsc.logs.files import DataTable
 from drillpetsc.logs.log import Log, read_log
 from drillpetsc.logs.stream import LogStream
 from drillpetsc.logs.wits import SYSTEMS, WitsFrames
+from drillpetsc.logs.witsml_store import FORM, StoreError, WitsmlStore, place_of
 
 CHUNK = 1 << 16  # bytes of a file that are read at a time
 CONNECTED_WITHIN = 10.0  # seconds until a WITS server must have answered
 TRIED_EACH = 2.0  # seconds between attempts to connect again
+POLLED_EACH = 5.0  # seconds between calls of a WITSML store
+TRIED_TIMES = 3  # calls in turn without an answer that end a log which is not waited for
 _WITS = re.compile(
     rf"wits:(?P<host>\[[^]]+\]|[^:\[\]]+):(?P<port>\d{{1,5}})(:(?P<units>{'|'.join(SYSTEMS)}))?"
 )
@@ -33,9 +38,11 @@ class Reader(Protocol):
 
     titles: channel -> title of its column, once the headings are known; start: clock time of the first row.
     left_out: reason -> rows that could not be used; remarks: what was assumed about columns and clock; ended: whether nothing can follow.
+    trouble: why no rows come at present, empty if nothing is known.
     """
 
     ended: bool
+    trouble: str
 
     @property
     def titles(self) -> dict[str, str]: ...
@@ -62,7 +69,7 @@ class Reader(Protocol):
 class _Lines:
     """Bytes of a source as lines, and lines as rows; a line that is half written waits for its end."""
 
-    ended = False
+    ended, trouble = False, ""
 
     def __init__(self, source: str, mapping: dict[str, tuple[str, str]]) -> None:
         self.stream = LogStream(source, mapping)
@@ -117,9 +124,8 @@ class FileReader(_Lines):
         super().__init__(name, mapping)
         self.name, self.waits = name, waits
         if not Path(name).is_file():
-            raise CaseError(
-                at="--log", got=name, want="a log that exists, - for standard input, or wits:HOST:PORT"
-            )
+            want = f"a log that exists, - for standard input, or one of {', '.join(_kinds())}"
+            raise CaseError(at="--log", got=name, want=want)
         try:
             self._file = os.open(name, os.O_RDONLY)
         except OSError as error:
@@ -205,6 +211,7 @@ class WitsReader(_Lines):
         if not new:
             self._socket.close()
             self._socket, self._rest, self.ended = None, b"", not self.waits
+            self.trouble = "the server has closed the connection" if self.waits else ""
             return self.stream.rows(self._frames.finish())
         whole, mark, self._rest = (self._rest + new).rpartition(b"\n")
         return self.stream.rows(self._frames.lines(self._text(whole).splitlines())) if mark else None
@@ -225,12 +232,102 @@ class WitsReader(_Lines):
         self._next_try = time.monotonic() + TRIED_EACH
         try:
             self._socket = socket.create_connection(self._place, timeout=CONNECTED_WITHIN)
+            self.trouble = ""
         except OSError:
             self._socket = None
 
     def go_on_from(self, position: dict[str, Any]) -> None:
         """Leave out rows that are not newer than the last one."""
         self.stream.go_on(position["last"], position["start"])
+
+
+class WitsmlReader(_Lines):
+    """A log of a WITSML store, polled; waits: whether rows may follow after those that it has."""
+
+    def __init__(self, name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> None:
+        self._store = WitsmlStore(name)
+        super().__init__(name, mapping)
+        self.waits, self._next_try = waits, 0.0
+        self._index, self._unit = "", ""  # of the last row
+        self._titles: list[str] = []
+        self._answers = self._failures = self._in_turn = self._repeated = 0
+        self._last_failure = ""
+
+    def read(self) -> Log | None:
+        """The rows since the last one, if it is time to ask."""
+        if time.monotonic() < self._next_try:
+            return None
+        try:
+            table = self._store.rows_from(self._index, self._unit)
+            rows = [] if table is None else self._new(table)
+            if self._store.more and not rows:
+                raise StoreError("the store has more rows, and does not return them")
+        except StoreError as error:
+            self._fail(error)
+            return None
+        finally:
+            self._next_try = time.monotonic() + POLLED_EACH
+        self._answers, self._in_turn, self.trouble = self._answers + 1, 0, ""
+        if rows and (self._store.more or not self.waits):
+            self._next_try = 0.0
+        self.ended = not rows and not self.waits
+        return self.stream.rows(rows) if rows else None
+
+    def _new(self, table: DataTable) -> list[str]:
+        """Lines of the rows beyond the last index, with the columns of the first answer."""
+        if not self._titles:
+            self._titles = table.titles
+            self.stream.begin(table.titles, table.headings, table.null)
+        places = [table.titles.index(name) if name in table.titles else -1 for name in self._titles]
+        last, lines = place_of(self._index), []
+        asked = bool(self._index)  # the row that was asked from comes again
+        for _, cells in table.rows:
+            place = place_of(cells[0])
+            if place <= last:
+                self._repeated += not (asked and place == last)
+                asked = asked and place != last
+                continue
+            last, self._index = (last, self._index) if place != place else (place, cells[0])
+            lines.append(",".join("" if j < 0 else cells[j] for j in places))
+        self._unit = table.unit
+        return lines
+
+    def _fail(self, error: StoreError) -> None:
+        """Take note of a poll that gave nothing; at first, and if no other will do better, it ends the log."""
+        if not self._answers:
+            raise CaseError(
+                at="--log",
+                got=self._store.name,
+                want="a WITSML store that answers with this log",
+                hint=str(error),
+            ) from None
+        self._failures, self._in_turn = self._failures + 1, self._in_turn + 1
+        self.trouble = self._last_failure = str(error)
+        self.ended = error.final or not self.waits and self._in_turn >= TRIED_TIMES
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Also what the store did beside answering with new rows."""
+        said = [*self.stream.remarks]
+        if self._store.unsafe:
+            said.append("user and password went to the store unencrypted: https keeps them secret")
+        if self._failures:
+            said.append(
+                f"{self._failures} polls of the store failed, the last one with: {self._last_failure}"
+            )
+        if self._repeated:
+            said.append(f"{self._repeated} rows that the store repeated were left out")
+        return tuple(said)
+
+    def position(self) -> dict[str, Any]:
+        """Also the index of the last row, from which the store is asked."""
+        return {**super().position(), "index": self._index, "unit": self._unit}
+
+    def go_on_from(self, position: dict[str, Any]) -> None:
+        """Ask from the last row on."""
+        self._index, self._unit = position["index"], position["unit"]
+        if position["last"] is not None:
+            self.stream.go_on(position["last"], position["start"])
 
 
 class WholeReader:
@@ -240,7 +337,7 @@ class WholeReader:
         self._log = read_log([name], mapping)
         self.titles, self.start = self._log.titles, self._log.start
         self.remarks = (*self._log.remarks, *self._log.warnings)
-        self.ended, self._row = False, 0
+        self.ended, self.trouble, self._row = False, "", 0
 
     @property
     def left_out(self) -> Mapping[str, int]:
@@ -263,12 +360,34 @@ class WholeReader:
         self._row = position["rows"]
 
 
+#: word before the colon -> reader with (name, mapping, waits), and the form of its name
+READERS: dict[str, tuple[Callable[[str, dict[str, tuple[str, str]], bool], Reader], str]] = {
+    "wits": (WitsReader, "wits:HOST:PORT"),
+    "witsml": (WitsmlReader, FORM),
+}
+INSTALLED = (
+    "drillpetsc.readers"  # group of entry points: readers of installed packages, by the word before the colon
+)
+
+
+def _kinds() -> list[str]:
+    return [form for _, form in READERS.values()] + [f"{q.name}:.." for q in entry_points(group=INSTALLED)]
+
+
 def reader_of(name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> Reader:
-    """The reader of a log by its name: ``-``, ``wits:HOST:PORT``, or a file."""
+    """The reader of a log by its name: ``-``, a word of ``READERS`` or of an installed package and a colon, or a file."""
     if name == "-":
         return InputReader(mapping)
-    if name.startswith("wits:"):
-        return WitsReader(name, mapping, waits)
+    word, mark, _ = name.partition(":")
+    if mark and word in READERS:
+        return READERS[word][0](name, mapping, waits)
+    for found in entry_points(group=INSTALLED, name=word) if mark else ():
+        try:
+            made: Reader = found.load()(name, mapping, waits)
+        except (ImportError, AttributeError) as error:
+            want = "a reader that can be loaded"
+            raise CaseError(at="--log", got=f"{word}: {found.value}", want=want, hint=str(error)) from None
+        return made
     if Path(name).suffix.casefold() in WHOLE_FILES:
         return WholeReader(name, mapping)
     return FileReader(name, mapping, waits)

@@ -131,7 +131,7 @@ class _Session:
                 self.last_row, self.feed = now, "running"
                 self._take(log)
             elif now - self.last_row > STOPPED_AFTER:
-                self.feed = f"stopped: no row for {duration(now - self.last_row)}"
+                self.feed = f"stopped: no row for {duration(now - self.last_row)}{self._trouble()}"
             if self.choices.wait and now - self.last_row > self.choices.wait:
                 break
             if log is None and not self.reader.ended:
@@ -143,11 +143,14 @@ class _Session:
         if self.growing is not None:
             self._write(time.monotonic())  # a restart continues before the rows that wait for others
             self._points(self.growing.finish())
-        self.feed = "ended"
+        self.feed = f"ended{self._trouble()}"
         if self.growing is None:
             left = ", ".join(f"{count} {reason}" for reason, count in self.reader.left_out.items())
             got = f"no row ({left})" if left else "no row"
             raise CaseError(at="--log", got=got, want="a log with rows", hint=self.choices.log)
+
+    def _trouble(self) -> str:
+        return f" ({self.reader.trouble})" if self.reader.trouble else ""
 
     def _take(self, log: Log) -> None:
         if self.growing is None or self.first:

@@ -79,6 +79,11 @@ def read_xml(file: Path) -> Element:
         raise CaseError(
             got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
         )
+    return xml_tree(raw, file)
+
+
+def xml_tree(raw: bytes, file: Path) -> Element:
+    """The root of a text; file: its name in messages."""
     parser = expat.ParserCreate(namespace_separator="|")
     parser.buffer_text = True
     root: list[Element] = []
