@@ -14,6 +14,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.logs.log import Log
 from drillpetsc.logs.points import FLOW_BAND, LONGEST, OPERATION_OF, RPM_BAND, Point, point_of
+from drillpetsc.logs.pulls import Pull, Pulls
 from drillpetsc.logs.quality import JUMP, LONGEST_GAP, LONGEST_GAP_ROWS, WINDOW, without_jumps
 from drillpetsc.logs.states import Limits, States, states_of
 
@@ -56,16 +57,17 @@ class GrowingLog:
         self._spells: dict[str, Spell] = {}
         self._deepest = -np.inf  # of a log by depth, of closed bins
         self._in_slips = False
+        self._pulls = Pulls()
 
-    def add(self, log: Log) -> list[tuple[Point, float]]:
-        """Points that are complete with these rows, and the time of their last row [s]."""
+    def add(self, log: Log) -> list[tuple[Point | Pull, float]]:
+        """Points and pulls that are complete with these rows, in their order, and the time of their last row [s]."""
         new = np.column_stack([*(log.values[name] for name in self.titles), np.zeros((len(log), 2))])
         new[:, -2] = self.count + np.arange(len(log))
         self.count += len(log)
         self._window = np.vstack([self._window, new])
         return self._divided(last=False)
 
-    def finish(self) -> list[tuple[Point, float]]:
+    def finish(self) -> list[tuple[Point | Pull, float]]:
         """Points of the rows that wait: the log has ended."""
         out = self._divided(last=True)
         for word in sorted(self._spells, key=lambda q: self._spells[q].first):
@@ -73,7 +75,7 @@ class GrowingLog:
         return out
 
     # ------------------------------------------------------------------ rows
-    def _divided(self, last: bool) -> list[tuple[Point, float]]:
+    def _divided(self, last: bool) -> list[tuple[Point | Pull, float]]:
         if not len(self._window) or (self.count < FIRST_ROWS and not last):
             return []
         index = self._window[:, self.channels.index("time" if self.by_time else "bit_depth")]
@@ -105,8 +107,9 @@ class GrowingLog:
         values = np.column_stack([log.values[name] for name in self.channels])
         values[:, -1] = far
         speed = np.nan_to_num(states.speed)
-        out = []
+        out: list[tuple[Point | Pull, float]] = []
         for i in np.flatnonzero(ready):
+            out += self._pulled(values[i], str(states.word[i]))
             out += self._take(values[i], str(states.word[i]), float(weight[i]), float(speed[i]))
         keep = self._window[:, -2] >= self._next - 2 * BESIDE
         if self.by_time:
@@ -121,6 +124,22 @@ class GrowingLog:
         far = np.zeros(len(index), dtype=bool)
         far[1:] = np.diff(index) > (LONGEST_GAP_ROWS * self._usual if self.by_time else LONGEST_GAP)
         return far
+
+    def _pulled(self, row: FloatArray, word: str) -> list[tuple[Pull, float]]:
+        """The pull that a row ends."""
+        if not self.by_time or "hook_load" not in self.titles:
+            return []
+        at = dict(zip(self.channels, row.tolist(), strict=True))
+        height = at.get("block_position", -at["bit_depth"])
+        hangs = (
+            word not in ("in_slips", "connection")
+            and not at[GAP]
+            and not at.get("rpm", 0.0) > self.limits.rotating
+        )
+        return [
+            (q, at["time"])
+            for q in self._pulls.take(at["time"], height, at["bit_depth"], at["hook_load"], hangs)
+        ]
 
     # ------------------------------------------------------------------ spells
     def _take(self, row: FloatArray, word: str, weight: float, speed: float) -> list[tuple[Point, float]]:
@@ -183,7 +202,7 @@ class GrowingLog:
         return {
             "channels": self.channels, "count": self.count, "dropped": self.dropped, "next": self._next,
             "usual": self._usual, "deepest": self._deepest, "window": self._window.tolist(),
-            "spells": {key: [q.word, q.first, q.rows] for key, q in self._spells.items()},
+            "spells": {key: [q.word, q.first, q.rows] for key, q in self._spells.items()}, "pulls": self._pulls.saved(),
         }  # fmt: skip
 
     def restore(self, saved: dict[str, Any]) -> None:
@@ -192,6 +211,7 @@ class GrowingLog:
         self._usual = np.nan if saved["usual"] is None else saved["usual"]
         self._deepest = -np.inf if saved["deepest"] is None else saved["deepest"]
         self._window = np.array(saved["window"], dtype=float).reshape(-1, len(self.channels))
+        self._pulls.restore(saved["pulls"])
         self._spells = {
             key: Spell(
                 word, first,

@@ -155,7 +155,7 @@ class Follower:
     def _forecast(self, past: _Past, row: Reading) -> dict[str, Error]:
         distance = self.moved - past.moved
         before = walked(self.states, Belief(past.mean, past.covariance), distance)
-        seen = self._expected(before, row.load)
+        seen = self.expected(before, row.load)
         values = np.array([row.hook_load, row.torque])
         sd = np.sqrt(np.diag(seen.covariance) + row.noise**2)
         out = {
@@ -169,7 +169,8 @@ class Follower:
         )
         return out if pressure is None else {**out, "pump_pressure": pressure}
 
-    def _expected(self, belief: Belief, load: Load) -> Expected:
+    def expected(self, belief: Belief, load: Load) -> Expected:
+        """Hook load [N] and torque [N m] that a belief expects under a load."""
         return expected(belief, lambda points: self.strings.readings(points, load))
 
     def _ahead(self, row: Reading) -> Ahead | None:
@@ -184,7 +185,7 @@ class Follower:
             wob = float(np.mean([q["wob"] for q in some]))
             tob = float(np.mean([q["torque_on_bit"] for q in some]))
         on = Load(load.operation, depth, wob, tob, load.velocity, load.rotation, load.flow)
-        seen = self._expected(walked(self.states, self.belief, STAND), on)
+        seen = self.expected(walked(self.states, self.belief, STAND), on)
         return Ahead(depth, seen.mean, np.sqrt(np.diag(seen.covariance) + row.noise**2))
 
     # ------------------------------------------------------------------ correction
@@ -205,7 +206,7 @@ class Follower:
         which = np.flatnonzero(self._readable(row))
         if not len(which):
             return
-        seen = self._expected(self.belief, row.load)
+        seen = self.expected(self.belief, row.load)
         part = Expected(seen.mean[which], seen.covariance[np.ix_(which, which)], seen.cross[:, which])
         values = np.array([row.hook_load, row.torque])[which]
         if not np.isfinite(part.mean).all():  # a string that cannot bear its weight on bit teaches nothing

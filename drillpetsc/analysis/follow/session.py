@@ -20,14 +20,16 @@ from drillpetsc.analysis.follow.follower import Follower, Reading, Update
 from drillpetsc.analysis.follow.live import write_page
 from drillpetsc.analysis.follow.readers import Reader, reader_of
 from drillpetsc.analysis.follow.strings import SLIPS, Load
+from drillpetsc.analysis.follow.stuck import StuckPoints, stuck_told
 from drillpetsc.analysis.follow.update_table import READINGS, UpdateTable, columns_of
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.errors import CaseError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.logs.growing import GrowingLog
 from drillpetsc.logs.log import Log, read_map
 from drillpetsc.logs.points import Point
+from drillpetsc.logs.pulls import Pull
 from drillpetsc.logs.quality import check_sizes
 from drillpetsc.output.files.json_file import read_summary, write_summary
 from drillpetsc.output.files.run_folder import FOLLOW_PAGE, FOLLOW_STATE, FOLLOW_TABLE, RunFolder, make_folder
@@ -42,8 +44,10 @@ STOPPED_AFTER = 60.0  # seconds without a row after which the feed has stopped
 SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one connection to the next [N]
 DEEPER = 1.1  # of the hole's end: a log that begins further down has other units, or is of another well
 KEPT_ALARMS = 200
+STUCK = "stuck"
 ZERO = "was zero, as of a dead sensor, and was left out"
 BEYOND = "a reading was beyond what a rig can have, and the row was left out: another unit?"
+NO_STRING = "a pull was left out, since the case has no string at that bit depth"
 BELOW = (
     "the bit was below the end of the case's hole, and the row was left out: extend well.survey to the bit"
 )
@@ -98,6 +102,7 @@ class _Session:
         self.updates: list[Update] = []
         self.alarms: list[dict[str, Any]] = []
         self.differences: list[dict[str, Any]] = []  # of the models
+        self.stuck = StuckPoints(self.follower)
         self.differ: list[str] = []  # operations and readings in which they do at present
         self.score = {name: _Score() for name, _ in READINGS}
         self.feed, self.rows, self.finished = "running", 0, False
@@ -216,8 +221,11 @@ class _Session:
                 time.sleep(max(due - time.monotonic(), 0.0))
             yield log.rows(np.array([i]))
 
-    def _points(self, points: list[tuple[Point, float]]) -> None:
+    def _points(self, points: list[tuple[Point | Pull, float]]) -> None:
         for point, moment in points:
+            if isinstance(point, Pull):
+                self._pull(point, moment)
+                continue
             if point.bit_depth > self.follower.end + 1e-6:
                 self.unused[BELOW] += 1
                 continue
@@ -231,17 +239,27 @@ class _Session:
             del self.updates[:-4000]
             for alarm in update.alarms:
                 words = told(self.case, alarm, update, self.follower)
-                self._tell(self.alarms, "ALARM", update, alarm.kind, words)
+                self._tell(self.alarms, "ALARM", moment, alarm.kind, words)
             self._compare(update)
             for name, error in update.forecast.items():
                 self.score[name].add(error.reading, error.forecast, error.sd, update.last.get(name, math.nan))
             self.table.add(update)
 
-    def _tell(self, kept: list[dict[str, Any]], head: str, update: Update, kind: str, words: str) -> None:
-        when = self._when(update.reading.time)
-        kept.append({"row": update.number, "when": when, "kind": kind, "text": words})
+    def _tell(self, kept: list[dict[str, Any]], head: str, moment: float, kind: str, words: str) -> None:
+        when = self._when(moment)
+        kept.append({"row": self.follower.number, "when": when, "kind": kind, "text": words})
         del kept[:-KEPT_ALARMS]
         print(" ".join(filter(None, (head, when, words))), flush=True)
+
+    def _pull(self, pull: Pull, moment: float) -> None:
+        """Say where the string is stuck, if a pull shows it."""
+        try:
+            found = self.stuck.see(pull)
+        except (CaseError, SolveError):
+            self.unused[NO_STRING] += 1
+            return
+        if found is not None:
+            self._tell(self.alarms, "ALARM", moment, STUCK, stuck_told(self.case, pull, found))
 
     def _compare(self, update: Update) -> None:
         """Say that the models differ when they begin to do so."""
@@ -252,7 +270,7 @@ class _Session:
             for name, words in models_told(self.case, update).items()
         }
         for words in (words for key, words in found.items() if key not in self.differ):
-            self._tell(self.differences, "MODELS", update, STIFF, words)
+            self._tell(self.differences, "MODELS", update.reading.time, STIFF, words)
         self.differ = [key for key in self.differ if not key.startswith(f"{update.reading.load.operation} ")]
         self.differ += found
 
@@ -317,7 +335,7 @@ class _Session:
         assert self.growing is not None
         return {
             "log": self.choices.log, "feed": self.feed, "written": datetime.now(UTC).isoformat(timespec="seconds"),
-            "estimate": self._estimate(), "alarms": self.alarms, "differences": self.differences, "differ": self.differ, "position": self.position if self.finished else self.reader.position(),
+            "estimate": self._estimate(), "alarms": self.alarms, "differences": self.differences, "differ": self.differ, "stuck": self.stuck.last, "position": self.position if self.finished else self.reader.position(),
             "skip": self.since_position if self.finished else 0, "rows": self.rows,
             "titles": self.reader.titles, "unused": dict(self.unused), "score": {name: q.__dict__ for name, q in self.score.items()},
             "growing": self.growing.saved(), "follower": self.follower.saved(),
@@ -360,6 +378,7 @@ class _Session:
         self.follower.restore(saved["follower"])
         self.rows, self.alarms, self.unused = saved["rows"], saved["alarms"], Counter(saved["unused"])
         self.differences, self.differ = saved["differences"], saved["differ"]
+        self.stuck.last = saved["stuck"]
         self.score = {name: _Score(**values) for name, values in saved["score"].items()}
         self.table = UpdateTable(self.folder.path / FOLLOW_TABLE, self.follower.states, self.follower.number)
 

@@ -98,6 +98,11 @@ class Strings:
         hook = hook / self.sensor.factor(DIRECTION[load.operation]) + of[HOOK]
         return np.column_stack([hook, torque * (1 + of[TORQUE])])
 
+    @property
+    def hoisting_factor(self) -> float:
+        """Weight on the hook over the reading while the block rises."""
+        return self.sensor.factor(DIRECTION["trip_out"])
+
     def _ends(self, of: dict[str, FloatArray], load: Load) -> tuple[FloatArray, FloatArray]:
         """(tension [N], torque [N m]) at the top, (s,) each; equal strings are integrated once.
 
