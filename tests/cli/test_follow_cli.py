@@ -197,3 +197,15 @@ def test_a_wits_clock_that_jumps_ahead(folder, server):
     summary = json.loads((out / "summary.json").read_text())
     assert summary["rows"] == len(places) - 1 and not summary["rows_left_out"]
     assert any("jumped ahead" in q for q in summary["notes"])
+
+
+def test_a_trip_out_to_the_rig(folder):
+    """The bit comes above the rig: these rows are left out, and said."""
+    rows = []
+    for line in lines()[1:]:
+        t, depth, rest = line.split(",", 2)
+        rows.append(f"{t},{float(depth) - 710},{rest}")
+    (folder / "rig.csv").write_text("\n".join([HEAD, *rows]) + "\n")
+    main_succeeds("follow", folder / "case.yaml", "--log", folder / "rig.csv", "--out", folder / "out")
+    warnings = json.loads((folder / "out" / "summary.json").read_text())["warnings"]
+    assert len(warnings) == 1 and "no string at that bit depth" in warnings[0]

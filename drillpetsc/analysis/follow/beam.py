@@ -58,7 +58,7 @@ class Beam:
     """
 
     def __init__(self, strings: Strings, model: Model) -> None:
-        self.strings, self.every = strings, STAND if model == "stiff" else np.inf
+        self.strings, self.model = strings, model
         if model == "stiff":
             need_beam(strings.case)
         self.remarks: list[str] = []
@@ -71,7 +71,9 @@ class Beam:
         mean: (n,) of the states.
         """
         word, depth = load.operation, load.bit_depth
-        if word == SLIPS or not abs(depth - self._looked.get(word, -np.inf)) >= self.every - 1e-6:
+        if self.model == "soft" or word == SLIPS:
+            return None
+        if abs(depth - self._looked.get(word, np.inf)) < STAND - 1e-6:
             return None
         self._looked[word] = depth
         tangents = self.strings.tangents

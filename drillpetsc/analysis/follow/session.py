@@ -25,7 +25,7 @@ from drillpetsc.analysis.follow.update_table import READINGS, UpdateTable, colum
 from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.errors import CaseError
 from drillpetsc.logs.growing import GrowingLog
 from drillpetsc.logs.log import Log, read_map
 from drillpetsc.logs.points import Point
@@ -47,7 +47,7 @@ KEPT_ALARMS = 200
 STUCK = "stuck"
 ZERO = "was zero, as of a dead sensor, and was left out"
 BEYOND = "a reading was beyond what a rig can have, and the row was left out: another unit?"
-NO_STRING = "a pull was left out, since the case has no string at that bit depth"
+NO_STRING = "the case has no string at that bit depth, and the row was left out"
 BELOW = (
     "the bit was below the end of the case's hole, and the row was left out: extend well.survey to the bit"
 )
@@ -229,6 +229,9 @@ class _Session:
             if point.bit_depth > self.follower.end + 1e-6:
                 self.unused[BELOW] += 1
                 continue
+            if point.operation != SLIPS and not self.follower.strings.exists(point.bit_depth):
+                self.unused[NO_STRING] += 1
+                continue
             try:
                 reading = self._reading(point, moment)
             except CaseError:
@@ -253,11 +256,9 @@ class _Session:
 
     def _pull(self, pull: Pull, moment: float) -> None:
         """Say where the string is stuck, if a pull shows it."""
-        try:
-            found = self.stuck.see(pull)
-        except (CaseError, SolveError):
-            self.unused[NO_STRING] += 1
+        if not self.follower.strings.exists(pull.bit_depth):
             return
+        found = self.stuck.see(pull)
         if found is not None:
             self._tell(self.alarms, "ALARM", moment, STUCK, stuck_told(self.case, pull, found))
 

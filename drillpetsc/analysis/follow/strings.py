@@ -98,6 +98,13 @@ class Strings:
         hook = hook / self.sensor.factor(DIRECTION[load.operation]) + of[HOOK]
         return np.column_stack([hook, torque * (1 + of[TORQUE])])
 
+    def exists(self, depth: float) -> bool:
+        """Whether the case has a string with its bit at a depth [m]."""
+        try:
+            return bool(self._at(depth))
+        except CaseError:
+            return False
+
     @property
     def hoisting_factor(self) -> float:
         """Weight on the hook over the reading while the block rises."""

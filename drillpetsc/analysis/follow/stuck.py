@@ -10,7 +10,10 @@ from drillpetsc.analysis.follow.alarms import INSIDE
 from drillpetsc.analysis.follow.follower import TRIP_NOISE, Follower
 from drillpetsc.analysis.follow.strings import Load
 from drillpetsc.analysis.loads.limits.free_point import FreePoint, StuckString
-from drillpetsc.analysis.loads.torque_drag.operations import groups_of
+from drillpetsc.analysis.loads.torque_drag.operations import Load as Pulled
+from drillpetsc.analysis.loads.torque_drag.operations import Pair, groups_of
+from drillpetsc.analysis.loads.torque_drag.stiff import Job, stiff_case
+from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.logs.pulls import LEAST, Pull
@@ -47,12 +50,12 @@ class StuckPoints:
         self._built: dict[tuple[float, ...], StuckString] = {}  # the latest one
 
     def see(self, pull: Pull) -> Stuck | None:
-        """The stuck point that a pull shows; None if the string moves, or as before.
+        """The stuck point that a pull shows; None if the string moves, or is stuck as before.
 
-        Raises CaseError or SolveError for a depth at which the case has no string.
+        Raises CaseError for a depth at which the case has no string.
         """
         follower = self.follower
-        if not 0 < pull.bit_depth <= follower.end:
+        if pull.bit_depth > follower.end:
             return None
         load = Load("trip_out", pull.bit_depth, velocity=1e-6)
         seen = follower.expected(follower.belief, load)
@@ -104,9 +107,10 @@ class StuckPoints:
     def _string(self, bit_depth: float, names: list[str], friction: FloatArray) -> StuckString:
         case, key = self.follower.case, (bit_depth, *np.clip(friction, 0.0, 1.0).tolist())
         if key not in self._built:
-            factor = dict(zip(names, key[1:], strict=True))
-            changes = {f"well.sections[{i}].friction": factor[str(q)] for i, q in enumerate(groups_of(case))}
-            self._built = {key: StuckString(case.replace({"bit_depth": bit_depth, **changes}))}
+            own = dict(zip(names, key[1:], strict=True))
+            pair = Pair(np.nan, np.nan, np.array([own[str(q)] for q in groups_of(case)]))
+            job = Job(rows_at(case, bit_depth, "bit depth"), pair, Pulled(0.0, 0.0, 1.0, 0.0))
+            self._built = {key: StuckString(stiff_case(case, self.follower.strings.well, job))}
         return self._built[key]
 
 
