@@ -21,7 +21,7 @@ LEAST = to_si("50 kN", "N")  # rise of the load in a pull
 
 @dataclass(frozen=True)
 class Pull:
-    """Rows of a pull, (n,) each: height of the block [m], hook load [N]; bit_depth: at the first row [m]."""
+    """Rows of a pull, (n,) each: height of the block [m], hook load [N]; bit_depth: at the last row [m]."""
 
     bit_depth: float
     height: FloatArray
@@ -64,7 +64,7 @@ class Pulls:
         rows = np.array(self._rows)
         if rows[self._top, 3] - rows[: self._top + 1, 3].min() < LEAST:
             return []
-        return [Pull(float(rows[0, 2]), rows[:, 1], rows[:, 3])]
+        return [Pull(float(rows[-1, 2]), rows[:, 1], rows[:, 3])]
 
     # ------------------------------------------------------------------ restart
     def saved(self) -> dict[str, Any]:
