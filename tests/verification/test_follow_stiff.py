@@ -16,6 +16,7 @@ from drillpetsc.analysis.loads.torque_drag.stiff import Job, stiff_row
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError
+from drillpetsc.output.files.tables import read_table
 from tests.verification.test_follow import CASE, planted_log
 
 WELL = """
@@ -125,3 +126,30 @@ def test_a_case_without_such_a_beam_is_refused(tmp_path):
     case = well(tmp_path, [0, 600], [50, 50], [0, 0]).replace({"beam.formulation": "quaternion"})
     with pytest.raises(CaseError, match="formulation"):
         Follower(case, 200e3, model="stiff")
+
+
+def test_a_difference_is_told_once_while_it_lasts(tmp_path, capsys):
+    """A trip of eight stands through doglegs: one line on the screen, one entry in the summary, and the page has it."""
+    md = [0, 300, *range(310, 610, 10)]
+    well(tmp_path, md, [0, 30, *(30 + 5 * (i % 2) for i in range(30))], [0.0] * len(md), od=200)
+    lines, depth = (
+        ["time [s],bit depth [m],hole depth [m],hook load [kN],torque [kN m],rpm,flow in [l/min]"],
+        590.0,
+    )
+    for i in range(8 * 28):
+        depth -= 2.0 if i % 28 < 14 else 0.0
+        lines.append(f"{5 * i},{depth},600,{700 - depth / 50 + 3 * (i % 3) if i % 28 < 14 else 200},0,0,0")
+    (tmp_path / "rig.csv").write_text("\n".join(lines) + "\n")
+    result = drillpetsc.follow(
+        tmp_path / "case.yaml", tmp_path / "out", log=str(tmp_path / "rig.csv"), model="stiff"
+    )
+    told = result.summary["model_differences"]
+    assert len(told) == 1 and capsys.readouterr().out.count("MODELS ") == 1
+    assert "trust the stiff string" in told[0]["text"]
+    assert "trust the stiff string" in (tmp_path / "out" / "live.html").read_text()
+    table = read_table(tmp_path / "out" / "follow.csv")
+    seen = np.isfinite(table["stiff_hook_load [N]"])
+    assert (
+        5 <= seen.sum() <= 8
+        and (np.abs(table["stiff_hook_load [N]"] - table["soft_hook_load [N]"])[seen] > 20e3).sum() > 2
+    )
