@@ -3222,7 +3222,7 @@ def follow(
     wait: how long to wait for new rows at the end of a file, or for a server that gives none (default: not at all) (default: 0 s)
     until: where to stop: time since the first row, as 2 h, or a depth of a log by depth
     restart: continue the folder out, or the latest, from its state.json
-    model: soft: soft string; stiff: the beam as well, a state about every stand, which takes about a second; says where both differ (default: soft)
+    model: soft: soft string; stiff: the beam as well, one state a stand, of a second or two; says where both differ (default: soft)
     units: units of what is printed and plotted (default: the case's; files stay in SI); metric_t: forces in tonnes
     overwrite: replace the results in an existing out
     name: name of the case in the default folder

@@ -371,7 +371,7 @@ class Follow(FolderOperation):
     restart: Annotated[bool, "continue the folder --out, or the latest, from its state.json"] = False
     model: Annotated[
         Literal["soft", "stiff"],
-        "soft: soft string; stiff: the beam as well, a state about every stand, which takes about a second; says where both differ",
+        "soft: soft string; stiff: the beam as well, one state a stand, of a second or two; says where both differ",
     ] = "soft"
 
     def compute(self, job: Any) -> Any:
