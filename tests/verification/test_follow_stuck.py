@@ -12,7 +12,7 @@ import pytest
 import drillpetsc
 from drillpetsc.analysis.follow.follower import Follower, Reading
 from drillpetsc.analysis.follow.strings import Load
-from drillpetsc.analysis.follow.stuck import StuckPoints, _rounding
+from drillpetsc.analysis.follow.stuck import StuckPoints, _rounding, stuck_told
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, need_well, rows_at
 from drillpetsc.case import load_case
@@ -27,7 +27,7 @@ HOOK_NOISE, HEIGHT_NOISE, RESOLUTION = (
     1e-3,
 )  # of F-5's hook load [N]; of an encoder of the drawworks [m]
 VERTICAL = """
-rig: {block_weight: 200 kN}
+rig: {block_weight: 200 kN, max_hookload: 1500 kN}
 well:
   survey: {md: [0 m, 2000 m], inclination: [0 deg, 0 deg], azimuth: [0 deg, 0 deg]}
   sections: [{kind: open_hole, to: end, diameter: 216 mm, friction: 0.25}]
@@ -243,6 +243,8 @@ def test_the_stretch_is_that_of_a_uniform_pipe(tmp_path):
     found = StuckPoints(follower).see(pull)
     assert found is not None and found.found.arrives == pytest.approx(1.0)
     assert found.length == pytest.approx(0.4 * young * area / 300e3, rel=1e-3)
+    text, left = stuck_told(case, pull, found), (1500e3 - hook.max()) / 1e3
+    assert text.startswith("MD 1990 m: stuck at MD 93") and f"{left:.3g} kN left to rig.max_hookload" in text
     assert StuckPoints(follower).see(Pull(1990.0, 10 * pull.height, hook)) is None  # it moves
     assert StuckPoints(follower).see(Pull(1990.0, 5.0 + 0 * pull.height, hook)) is None  # the block does not
 
