@@ -38,7 +38,7 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // for all.  replaced: elements of contacts at each prescribed motion.  power_rows, power_rates (power_count): rows and rates of the remaining
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
 // switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first and the last step of this
-// solve; last_left: of what the pairs left of the last increment; theta: contraction.
+// solve; last_left: of what the pairs left of the last increment; theta: contraction of the steps; slowest: of the error, as estimated.
 // renewed: iteration that renewed the contacts last.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
@@ -46,7 +46,7 @@ DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
     const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts; SecantCall* secants;
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
-    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, last_left, first, theta, seconds[4];
+    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, slowest, last_left, first, theta, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
     int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
@@ -303,6 +303,7 @@ Outcome jacobian(NewtonCall& c) {
 Outcome prepare(NewtonCall& c) {
     if (reusable(c)) return DONE;
     if (c.secants) c.secants->count = 0;
+    c.slowest = 0.0;
     Outcome reached;
     if (contacts_suffice(c)) {
         reached = renew_contacts(c);
@@ -322,15 +323,18 @@ bool leaves_work(const NewtonCall& c, double size) {
     return std::fabs(power) > c.work_limit;
 }
 
+// least ratio of two estimates of the contraction of the same factors
+constexpr double FALL = 0.3;
+
 double size_of(const NewtonCall& c, const double* increment) { return scaled_size(c.n, increment, c.scale, c.spacing, c.q); }
 
 // Reason to end after a step, 0 to go on (manual: eq-time-increment, eq-time-convergence, eq-time-work).  plain: the increment of the factors, for
-// the step; left: what pairs leave of it; fraction: the part of the step that was taken.
-int judge(NewtonCall& c, const double* plain, const double* left, double fraction) {
+// the step; left: what pairs leave of it.  A step that was shortened has reduced neither.
+int judge(NewtonCall& c, const double* plain, const double* left) {
     const ReasonCall& r = *c.reasons;
     double found[4] = {double(!finite_sum(c.n, c.rows)), size_of(c, c.increment), 0.0, 0.0};
-    found[2] = plain == c.increment ? found[1] : fraction * size_of(c, plain);
-    found[3] = left == plain ? found[2] : fraction * size_of(c, left);
+    found[2] = plain == c.increment ? found[1] : size_of(c, plain);
+    found[3] = left == plain ? found[2] : size_of(c, left);
     over_ranks(c.parts->largest, found, 4);
     const double size = found[1];
     double eta = c.eta;
@@ -342,6 +346,9 @@ int judge(NewtonCall& c, const double* plain, const double* left, double fractio
         // two steps alone look converged where secants take the whole increment for known: the factors must reduce what was left, too
         double worst = c.theta;
         if (c.last_left > 0.0 && found[2] / c.last_left > worst) worst = found[2] / c.last_left;
+        // one fast direction may hide slow ones: the estimate falls no faster than this (as in CVODE)
+        if (worst < FALL * c.slowest) worst = FALL * c.slowest;
+        c.slowest = worst;
         eta = worst < 1.0 ? worst / (1.0 - worst) : 10.0;
         // the next solve begins without secants, and with factors that are as old as those of this one's first two steps
         if (!c.secants || (c.iterations == 2 && c.secants->count == 2)) c.eta = eta;
@@ -356,15 +363,13 @@ int judge(NewtonCall& c, const double* plain, const double* left, double fractio
 
 int reason_of(const NewtonCall& c, Outcome ended) { return ended == NO_PIVOT ? c.reasons->no_pivot : c.reasons->raised; }
 
-// One secant step back where the increment overshoots (manual: eq-time-line-search); before: this rank's work along it before it was taken;
-// fraction: the part of it that is kept.
-Outcome shorten(NewtonCall& c, double before, double& fraction) {
+// One secant step back where the increment overshoots (manual: eq-time-line-search); before: this rank's work along it before it was taken.
+Outcome shorten(NewtonCall& c, double before) {
     double both[2] = {before, work(c)};
     over_ranks(c.parts->sum, both, 2);
     if (!(both[0] < 0.0 && both[1] > -c.overshoot * both[0])) return DONE;
-    fraction = both[0] / (both[0] - both[1]);
-    if (fraction < c.shortest) fraction = c.shortest;
-    shorten_step(c.n, fraction, c.increment, c.q);
+    const double fraction = both[0] / (both[0] - both[1]);
+    shorten_step(c.n, fraction > c.shortest ? fraction : c.shortest, c.increment, c.q);
     return residual(c);
 }
 
@@ -379,13 +384,13 @@ void accelerate(NewtonCall& c) {
 }
 
 // A step from the increment of the factors, and the rows after it.
-Outcome advance(NewtonCall& c, double& fraction) {
+Outcome advance(NewtonCall& c) {
     if (c.secants) accelerate(c);
     // along the negative step: the solution of the factors is subtracted
     take_step(c.n, c.increment, c.q);
     const double before = c.line_search ? work(c) : 0.0;
     Outcome reached = residual(c);
-    if (reached == DONE && c.line_search) reached = shorten(c, before, fraction);
+    if (reached == DONE && c.line_search) reached = shorten(c, before);
     if (c.secants) Secants(*c.secants).keep(c.increment);
     return reached;
 }
@@ -396,8 +401,9 @@ extern "C" {
 // The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
 int newton_judge(NewtonCall* call, int iteration) {
     call->iterations = iteration;
-    if (iteration) return judge(*call, call->increment, call->increment, 1.0);
+    if (iteration) return judge(*call, call->increment, call->increment);
     call->theta = 0.0;
+    call->slowest = call->eta / (1.0 + call->eta);
     call->renewed = 0;
     return anywhere(*call, !finite_sum(call->n, call->rows)) ? call->reasons->not_a_number : 0;
 }
@@ -424,14 +430,13 @@ int newton_solve(NewtonCall* call) {
     if (const int reason = newton_judge(call, 0)) return reason;
     if (c.secants) c.secants->count = 0;
     for (;;) {
-        double fraction = 1.0;
         ended = prepare(c);
         if (ended == DONE) ended = solve(c);
-        if (ended == DONE) ended = advance(c, fraction);
+        if (ended == DONE) ended = advance(c);
         if (ended != DONE) return reason_of(c, ended);
         c.iterations++;
         const double *plain = c.secants ? c.secants->memory : c.increment, *left = c.secants ? plain + c.n : plain;
-        if (const int reason = judge(c, plain, left, fraction)) return reason;
+        if (const int reason = judge(c, plain, left)) return reason;
     }
 }
 }
