@@ -36,7 +36,7 @@ void run_by_rates(int n, const int* idx, const double* par, void* ctx, const dou
 // Entry point `name`_by_rates; `call` has the arguments n, idx, par, ctx, x, y, a, count, length, chosen, dx, dy, da, r.
 #define DP_PRODUCT(name, ...)                                                                                                                          \
     extern "C" void name##_by_rates(int n, const int* idx, const double* par, void* ctx, const double* x, const double* y, const double* a, int count, \
-                                    long length, const signed char* chosen, const double* dx, const double* dy, const double* da, double* r) {         \
+                                    int length, const signed char* chosen, const double* dx, const double* dy, const double* da, double* r) {          \
         (void)n, (void)idx, (void)par, (void)ctx, (void)x, (void)y, (void)a, (void)count, (void)length, (void)chosen, (void)dx, (void)dy, (void)da, (void)r; \
         __VA_ARGS__;                                                                                                                                   \
     }

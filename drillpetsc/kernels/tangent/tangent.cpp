@@ -15,7 +15,7 @@ DP_EXPORT_RECORD(tangent_call, TangentCall)
 namespace {
 typedef void (*Residual)(int, const int*, const double*, void*, const double*, const double*, const double*, double*);
 typedef void (*Jacobian)(int, const int*, const int*, const double*, void*, const double*, const double*, const double*, const double*, const double*, double*);
-typedef void (*Product)(int, const int*, const double*, void*, const double*, const double*, const double*, int, long, const signed char*, const double*, const double*, const double*, double*);
+typedef void (*Product)(int, const int*, const double*, void*, const double*, const double*, const double*, int, int, const signed char*, const double*, const double*, const double*, double*);
 
 void add_parts(int n, const PartCall* parts, const double* x, const double* y, const double* a, double* r) {
     for (int k = 0; k < n; ++k) {

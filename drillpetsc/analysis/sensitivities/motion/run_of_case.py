@@ -33,7 +33,7 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
-TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
+TOLERANCE, NEWTON = "q_snes_stol", 1e-12  # of Newton's method, at most
 
 
 @dataclass(frozen=True)
