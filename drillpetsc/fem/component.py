@@ -83,6 +83,8 @@ class ElementBlock:
     spins: ends whose spin angle the kernel uses, in the kernel's order.
     params: (n, p) constants of the elements (kernels.parameters.Parameters); ``named`` has them by name.
     context: address of a record that all elements share, 0 for none; keep: objects that it points to.
+    constants: numbers of the record: records with equal ones are one law; none: unknown.
+    linear: names of parameters in which the rows together are linear, without a term that is free of them.
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
     component: name in messages; the block's name unless given.
     elements: (n,) of a block on vertices: local cells whose distributed loads the rows are, -1: none; None: none at all.
@@ -98,6 +100,8 @@ class ElementBlock:
     context: int = 0
     update: Callable[[float], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)
+    constants: tuple[Any, ...] = field(default=(), repr=False)
+    linear: tuple[str, ...] = ()
     component: str = ""
     elements: IntArray | None = None
     _named: Table | None = field(default=None, init=False, repr=False, compare=False)
@@ -132,6 +136,7 @@ class PrescribedMotion:
     view into the array of its owner, who may change it.  None: the slope is also prescribed, or the spin is not (manual:
     eq-prescribed-lean).
     constant: value and rate keep their initial values.
+    inputs: functions of time that the motion follows: two motions with equal ones differ by a constant; None: unknown.
     """
 
     vertex: int
@@ -145,6 +150,7 @@ class PrescribedMotion:
     advance: Callable[[FloatArray], FloatArray] | None = None
     spin_reference: FloatArray | None = None
     constant: bool = False
+    inputs: tuple[Any, ...] | None = None
 
 
 class ContactFlags(NamedTuple):
@@ -342,6 +348,11 @@ class Component:
     # ------------------------------------------------------------------ history
     #: length of the vector that ``local_update`` returns, the same on every rank; 0: no update across ranks
     update_size: int = 0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether an accepted step changes history variables."""
+        return bool(self.update_size) or type(self).accept is not Component.accept
 
     def accept(self, t: float, state: Any) -> None:
         """Update history variables after an accepted step that ends at time ``t`` [s]."""

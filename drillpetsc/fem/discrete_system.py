@@ -74,9 +74,9 @@ class DiscreteSystem:
         self._storing = [c for c in self.components if type(c).energies is not Component.energies]
         self._working = [c for c in self.components if type(c).powers is not Component.powers]
         #: components with history variables
-        self._remembering = [
-            c for c in self.components if c.update_size or type(c).accept is not Component.accept
-        ]
+        self._remembering = [c for c in self.components if c.remembers]
+        #: how often reference frames were renewed
+        self.frames_renewed = 0
         #: components with reference frames
         self._framed = [
             c
@@ -148,6 +148,11 @@ class DiscreteSystem:
             pointer, self._tables
         )
         self._owned_counts = len(self._tables[2]), len(self._tables[4])
+
+    @property
+    def remembers(self) -> bool:
+        """Whether an accepted step changes history variables of any component."""
+        return bool(self._remembering)
 
     @property
     def has_contact(self) -> bool:
@@ -305,6 +310,7 @@ class DiscreteSystem:
         True if any changed (collective).
         """
         changed = [component.renew_reference_frames(self) for component in self._framed]
+        self.frames_renewed += any(changed)
         return any(changed)
 
     # ------------------------------------------------------------------ energies and reactions

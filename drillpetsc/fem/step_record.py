@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.quantity import Sample
@@ -90,6 +90,24 @@ class StepRecord:
                 if sampled or always:
                     row[span] = call(sample)
         self.times.append(time)
+
+    @property
+    def unknowns_read(self) -> IntArray | None:
+        """Unknowns on which the recorded numbers depend, after the first step; None if functions of the state are recorded."""
+        asm = self.assembly
+        if self._functions or asm.derive is not None:
+            return None
+        found = [asm.index_of(block).ravel() for (block, _, _), _ in self._results.values()]
+        for start in asm.state_at[:3]:
+            places = (np.array(self._addresses, dtype=np.int64) - start) // 8
+            found.append(places[(places >= 0) & (places < len(asm.x))])
+        return np.unique(np.concatenate(found)).astype(np.int32)
+
+    def fill(self, call: Any) -> None:
+        """Fill the ``call`` that records steps of several systems, with all numbers, after the first step."""
+        _, results = self._groups[True]
+        call.results, call.blocks = ctypes.addressof(results), len(self._groups[True][0])
+        call.sources, call.table, call.n = ctypes.addressof(self._from), self._start, len(self._addresses)
 
     def clear(self) -> None:
         """Forget all steps."""

@@ -98,6 +98,12 @@ def pointer(array: np.ndarray) -> int:
     return array.__array_interface__["data"][0]
 
 
+def address(name: str) -> int | None:
+    """Address of the entry point ``name`` of the kernels; None if there is none."""
+    entry = getattr(library(), name, None)
+    return None if entry is None else ctypes.cast(entry, ctypes.c_void_p).value
+
+
 def function(name: str, arguments: str, result: type | None = None) -> Any:
     """Entry point ``name``; ``arguments`` is a letter each: p pointer, i int, d double."""
     entry = next(

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.kernels import function
+from drillpetsc.kernels.parameters import structure
 from drillpetsc.output.recorder import STEPS_AT_ONCE, Recorder
 from drillpetsc.output.table_rows import TableColumn
 from drillpetsc.parallel import total_in_order
+
+_RecordCall = structure("record_call")
+_record_steps = function("record_steps", "ipi")
 
 
 class ColumnSeries:
@@ -36,11 +42,26 @@ class ColumnSeries:
         if len(self._record) >= self._record.capacity:
             self._catch_up()
 
+    @property
+    def unknowns_read(self) -> IntArray | None:
+        """Unknowns on which the rows depend, after the first one; None if they depend on more than compiled code copies."""
+        return None if self._now[-1] else self._record.unknowns_read
+
     def rows(self) -> FloatArray:
         """(m, columns) the rows, the same on all ranks; collective."""
         self._catch_up()
         self._rows = [np.concatenate(self._rows)]
         return self._rows[0]
+
+    def fill(self, call: Any) -> None:
+        """As of ``StepRecord``."""
+        self._record.fill(call)
+
+    def take(self, times: Sequence[float]) -> None:
+        """Go on with steps that a compiled call has recorded; times: of their inputs [s]."""
+        self._record.times += times
+        self._now += [[] for _ in times]
+        self._catch_up()
 
     def _catch_up(self) -> None:
         if not len(self._record):
@@ -51,3 +72,51 @@ class ColumnSeries:
         self._rows.append(self._row.rows(total_in_order(self._recorder.comm, samples), self._now))
         self._record.clear()
         self._now = []
+
+
+class ColumnSeriesOfSystems:
+    """Series of several models that are read after the same steps, in one compiled call if that suffices."""
+
+    def __init__(self, series: Sequence[ColumnSeries]) -> None:
+        self.series = series
+        self._calls = (_RecordCall * len(series))()
+        self._times: list[float] = []  # of steps that the series do not know yet
+        self._before = 0  # steps that they know
+        #: whether the first step was read; unknowns on which all rows depend, None if compiled code does not suffice
+        self.is_read = False
+        self.unknowns_read: IntArray | None = None
+
+    def add(self, t: float) -> None:
+        """Read the present states of all models; ``t``: of their inputs [s]; collective."""
+        if self.unknowns_read is None:
+            for one in self.series:
+                one.add(t)
+            if not self.is_read:
+                self._look()
+            return
+        _record_steps(len(self._calls), self._calls, self._before + len(self._times))
+        self._times.append(t)
+        if self._before + len(self._times) >= STEPS_AT_ONCE:
+            self._hand_over()
+
+    def _look(self) -> None:
+        """Find whether compiled code suffices, after the first step."""
+        self.is_read, self._before = True, 1
+        found = [one.unknowns_read for one in self.series]
+        places = [q for q in found if q is not None]
+        if len(places) < len(found):
+            return
+        self.unknowns_read = np.unique(np.concatenate(places))
+        for call, one in zip(self._calls, self.series, strict=True):
+            one.fill(call)
+
+    def _hand_over(self) -> None:
+        for one in self.series:
+            one.take(self._times)
+        self._times, self._before = [], 0
+
+    def rows(self) -> list[FloatArray]:
+        """(m, columns) the rows of each model, the same on all ranks; collective."""
+        if self._times:
+            self._hand_over()
+        return [one.rows() for one in self.series]

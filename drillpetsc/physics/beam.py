@@ -117,6 +117,7 @@ class AncfBeam(interfaces.Beam):
                         JUNCTION_SLOTS if is_below else SLOTS,
                         (0, 1),
                         self._params(e[chosen]),
+                        linear=("ea", "ei", "gj", "mass", "polar"),
                     )
                 )
         self._blocks = tuple(blocks)

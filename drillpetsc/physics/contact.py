@@ -236,6 +236,7 @@ class Contact(Component):
                     (0, 1),
                     params.array,
                     context=self._context(len(chosen), ends, driven),
+                    constants=(self.law, self._packed, rule(self.law.points, *ends)),
                     component="contact",
                     update=self._update,
                 )
@@ -250,6 +251,10 @@ class Contact(Component):
     @property
     def _update(self) -> Callable[[float], None] | None:
         return None if self.law.own is None else self.law.own.at_time
+
+    @property
+    def remembers(self) -> bool:
+        return bool(self.own_laws)
 
     def accept(self, t: float, state: Any) -> None:
         for law in self.own_laws:
@@ -294,6 +299,7 @@ class Contact(Component):
             (0,),
             params.array,
             context=self._context(len(here), self._item_ends, driven),
+            constants=(self.law, self._packed, rule(self.law.points, *self._item_ends)),
             component="contact",
             update=self._update,
         )

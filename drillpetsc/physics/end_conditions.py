@@ -18,6 +18,7 @@ from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.hole_path import HolePath, PathPoint
 from drillpetsc.physics.interfaces import Drive, Top
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
+from drillpetsc.time_function import Constant
 
 
 class Input(Protocol):
@@ -88,7 +89,7 @@ class PathEnd(Top):
         rotation: Input | None = None,
         lowering: Input | None = None,
     ):
-        zero, position, tangent, angle = _Zero(), place.position, place.tangent, place.angle
+        zero, position, tangent, angle = Constant(0.0), place.position, place.tangent, place.angle
         vertex, path, frames = place.vertex, place.path, place.frames
         self._down, self._turn = lowering or zero, rotation or zero
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
@@ -132,6 +133,7 @@ class PathEnd(Top):
             advance=None if path is None else self._advance,
             spin_reference=frames.reference[vertex] if spin and not tilt and frames is not None else None,
             constant=rotation is None and lowering is None and path is None,
+            inputs=(down, turn),
         )
 
     def _position_rows(self, axes: FloatArray) -> FloatArray:
@@ -264,13 +266,6 @@ class TopDrive(PathEnd):
             place, axial=lowering is not None, across=guided, tilt=not hinged,
             spin=rotation is not None, rotation=rotation, lowering=lowering,
         )  # fmt: skip
-
-
-class _Zero:
-    def value(self, t: float) -> float:
-        return 0.0
-
-    rate = integral = value
 
 
 class RotaryDrive(Drive):

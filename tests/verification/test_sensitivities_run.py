@@ -174,6 +174,17 @@ def test_wall_contact_with_frozen_steps(name, integrator):
         assert min(np.linalg.norm(own - q) / np.linalg.norm(q) for q in full) < 1e-4
 
 
+@pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
+def test_a_key_does_not_know_of_the_others(integrator):
+    """Derivatives to the last bit, whatever other keys there are and in whatever order."""
+    top, degrees, end, collar, column, _ = WALL["turned"]
+    case = on_the_wall(integrator, 0.5 * end, np.radians(degrees), collar, **top)
+    names = ["well.sections[0].friction", "string[0].od", "top.rotation.value[1]"]
+    every = series_of(case, names, [column])
+    some = series_of(case, [names[2], names[1]], [column])
+    assert np.array_equal(every.slopes[:, :, [2, 1]], some.slopes)
+
+
 def test_a_start_with_a_kink_is_flagged(tmp_path):
     """Of two pipes of one diameter on the wall one gets thicker by more than the wall yields, as in statics.
 

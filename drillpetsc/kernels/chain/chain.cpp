@@ -411,6 +411,29 @@ void chain_solve(int n, const std::int64_t* table, const double* store, const do
     chain_scatter(length, target, vec, x);
 }
 
+// The same for `columns` right sides b (size each): a node's factors serve all of them before those of the next are read.
+void chain_solve_columns(int n, const std::int64_t* table, const double* store, const double* inverse, const int* pivot, int length, const int* index,
+                         int columns, int size, const double* b, double* work, double* x) {
+    for (int c = 0; c < columns; c++) chain_gather(length, index, b + static_cast<long>(c) * size, work + static_cast<long>(c) * length);
+    for (int i = 0; i < n; i++) {
+        const Row t = table + i * COLUMNS, previous = t - COLUMNS;
+        fetch(store + t[DIAG] + AHEAD, 2 * t[LD] * t[SIZE]);
+        for (int c = 0; c < columns; c++) {
+            double* vec = work + static_cast<long>(c) * length;
+            solve_node(t, store, vec + t[VEC], i ? previous : nullptr, i ? vec + previous[VEC] : nullptr, inverse, pivot);
+        }
+    }
+    for (int i = n - 2; i >= 0; i--) {
+        const Row t = table + i * COLUMNS, next = t + COLUMNS;
+        fetch(store + t[UPPER] - AHEAD, t[LD] * t[SIZE]);
+        for (int c = 0; c < columns; c++) {
+            double* vec = work + static_cast<long>(c) * length;
+            subtract_vector(t, vec + t[VEC], store + t[UPPER], next, vec + next[VEC]);
+        }
+    }
+    for (int c = 0; c < columns; c++) chain_scatter(length, index, work + static_cast<long>(c) * length, x + static_cast<long>(c) * size);
+}
+
 // r -= A x with the assembled blocks kept by chain_factor.
 void chain_residual(int n, const std::int64_t* table, const double* saved, const double* x, double* r) {
     for (int i = 0; i < n; i++) {

@@ -72,6 +72,17 @@ extern "C" void record_step(int blocks, const ResultCall* const* calls, int n, c
     for (int i = 0; i < n; ++i) to[i] = *from[i];
 }
 
+// The same of `count` systems, each into its row of a table of n columns.
+DP_RECORD(RecordCall, const void* results; const void* sources; double* table; int blocks, n;)
+DP_EXPORT_RECORD(record_call, RecordCall)
+
+extern "C" void record_steps(int count, const RecordCall* calls, int row) {
+    for (int k = 0; k < count; ++k) {
+        const RecordCall& c = calls[k];
+        record_step(c.blocks, static_cast<const ResultCall* const*>(c.results), c.n, static_cast<const double* const*>(c.sources), c.table + (long)row * c.n);
+    }
+}
+
 extern "C" {
 void condensed_rates(int, const double*, double, double, const double*, const double*, int, const int*, const double*, double*, double*);
 void constraint_rates(int, const double*, const int*, const double*, double, const double*, double*, double*);
@@ -87,8 +98,6 @@ double gathered_product(int, const int*, const double*, const int*, const double
 
 DP_EXPORT_RECORD(prescribed_call, PrescribedCall)
 DP_EXPORT_RECORD(step_call, StepCall)
-DP_EXPORT_RECORD(beside_call, BesideCall)
-DP_EXPORT_RECORD(beside_state, BesideState)
 DP_EXPORT_RECORD(matrix_call, MatrixCall)
 DP_EXPORT_RECORD(prescribed_matrix, PrescribedMatrix)
 DP_EXPORT_RECORD(jacobian_call, JacobianCall)
@@ -119,36 +128,25 @@ extern "C" void step_state(const StepCall* call, const double* q) {
     for (int i = 0; i < c.n; ++i) c.x[c.owned[i]] = q[i];
 }
 
-namespace {
-// Rates along prescribed directions.
-void prescribed_rates(const StepCall& c, double second, const double* v1) {
+
+// Rates and accelerations of all `size` local unknowns; rows of the owned ones (n), without what other ranks add.
+extern "C" void step_blocks(const StepCall* call, double* rows) {
+    const StepCall& c = *call;
+    condensed_rates(c.size, c.x, c.sigma, c.second, c.v0, c.v1, c.spins, c.where, c.reference, c.y, c.a);
     for (int k = 0; k < c.prescriptions; ++k) {
         const PrescribedCall& p = c.prescribed[k];
-        constraint_rates(p.count, p.directions, p.rows, p.rate, second, v1, c.y, c.a);
+        constraint_rates(p.count, p.directions, p.rows, p.rate, c.second, c.v1, c.y, c.a);
         if (p.axis) {
             lean_at(p.rows, p.axis, c.x, p.lean, p.keep, p.direction);
-            lean_rates(p.rows, p.lean, second, v1, c.y, c.a);
+            lean_rates(p.rows, p.lean, c.second, c.v1, c.y, c.a);
         }
     }
-}
-
-// Rows of the owned unknowns (n), without what other ranks add.
-void block_rows(const StepCall& c, double* rows) {
     if (c.dead) {
         for (int i = 0; i < c.size; ++i) c.r[i] = 0.0 - c.dead[i];
         for (int i = c.size; i < c.length; ++i) c.r[i] = 0.0;
     }
     run_residuals(c.count, c.blocks, c.dead ? 0 : c.length, c.r);
     for (int i = 0; i < c.n; ++i) rows[i] = c.r[c.owned[i]];
-}
-}  // namespace
-
-// Rates and accelerations of all `size` local unknowns; rows of the owned ones (n), without what other ranks add.
-extern "C" void step_blocks(const StepCall* call, double* rows) {
-    const StepCall& c = *call;
-    condensed_rates(c.size, c.x, c.sigma, c.second, c.v0, c.v1, c.spins, c.where, c.reference, c.y, c.a);
-    prescribed_rates(c, c.second, c.v1);
-    block_rows(c, rows);
 }
 
 // Replaces the rows (n) along prescribed directions.
@@ -167,33 +165,6 @@ extern "C" void step_rows(const StepCall* call, const double* q, double* rows) {
     step_state(call, q);
     step_blocks(call, rows);
     step_prescribed(call, rows);
-}
-
-// Rows of systems beside a run on one rank, each in the state of the run moved along the derivatives by its parameter.
-extern "C" void beside_rows(int count, const BesideCall* calls, const BesideState* state) {
-    const BesideState& s = *state;
-    for (int b = 0; b < count; ++b) {
-        const StepCall& c = *calls[b].step;
-        const double h = calls[b].change, weight = calls[b].weight;
-        const long at = (long)calls[b].key * c.size;
-        for (int i = 0; i < c.size; ++i) {
-            c.x[i] = s.x[i] + h * s.moved_x[at + i];
-            c.y[i] = s.y[i] + h * s.moved_y[at + i];
-            c.a[i] = s.a[i] + h * s.moved_a[at + i];
-        }
-        if (!s.rows) continue;
-        if (s.v1 && c.prescriptions) {
-            double* v1 = const_cast<double*>(c.v1);
-            for (int i = 0; i < c.size; ++i) v1[i] = s.v1[i] + h * s.moved_v1[at + i];
-            prescribed_rates(c, s.second, v1);
-        }
-        block_rows(c, s.rows);
-        step_prescribed(calls[b].step, s.rows);
-        if (s.sums) {
-            double* sum = s.sums + (long)calls[b].key * c.n;
-            for (int i = 0; i < c.n; ++i) sum[i] += weight * s.rows[i];
-        }
-    }
 }
 
 // Derivatives of the spin rates for the weights of the next entries.

@@ -41,16 +41,37 @@ DP_RECORD(JacobianCall,
     const StepCall* step; const MatrixCall* blocks; const PrescribedMatrix* prescribed; double* values; double* weights; double* spin; int count, unused;
 )
 
-// A system beside a run, in which the parameter `key` is changed by `change`; weight: of its rows in the derivative by it.
-DP_RECORD(BesideCall,
-    const StepCall* step; double change, weight; int key, unused;
+// Elements of a block in a system beside a run: entry point of its residual and the arguments without the state.  moved: evaluated at positions
+// moved along the guess, in which contacts open and close less than at those of the run.
+DP_RECORD(PartCall,
+    const void* residual; const int* index; const double* parameters; const void* record; int count, moved;
 )
 
-// State (x, y, a, v1) of the run, and its derivatives by each parameter (keys, size); v1 and moved_v1 are null if rates are not prescribed.
-// rows (n) is work, or null if the systems are only moved; sums (keys, n), to which the rows are added, or null.
-DP_RECORD(BesideState,
-    const double* x; const double* y; const double* a; const double* v1; const double* moved_x; const double* moved_y; const double* moved_a;
-    const double* moved_v1; double* rows; double* sums; double second;
+// A system beside a run, in which the parameter `key` is changed by `change`; weight: in the derivative by it.  parts: of the blocks that the
+// parameter changes; they add to rows `first` to `last`, and those at moved
+// positions depend on the unknowns from `low` to `high`.  follows: its prescribed motion differs from the run's by a constant at most.  ends: of the blocks at prescribed motion, for its reactions.
+DP_RECORD(BesideCall,
+    const StepCall* step; const PartCall* parts; const PartCall* ends; double change, weight; int key, part_count, end_count, first, last, follows, low, high, unused;
+)
+
+// Derivatives (keys, 7) of position and rate along a prescribed motion, and of the rows by its turning, or null; index (elements at the node):
+// unknowns of each.  free (2, keys, 7): work.
+DP_RECORD(GivenCall, double* position; double* rate; const double* turning; const void* index; double* free;)
+
+// Constants of a multistep formula: sums of unknowns x and rates y (keys, length) at `count` nodes.
+DP_RECORD(FormulaSums, const double* weights; const void* x; const void* y; int count, unused;)
+
+// Derivatives of a step by `keys` parameters, each of `length` numbers (manual: eq-sensitivities-step).  products: of each block of the Jacobian,
+// the entry point that multiplies its derivatives by rates and accelerations with directions, or null.  x, y, a: the state of the Jacobian.
+// last_x, last_y: derivatives at the last step; with_rate (length): zero where no rate is an unknown.  moved (blocks, keys): 1 where a key has
+// the block evaluated at moved positions.  sums: null where by_rate and by_second (keys, length)
+// have the formula's v0 and v1; they get the directions.  along, lean,
+// element: work.  rows (keys, length), owned (keys, n): right sides of the increments `found` (keys, n); moved_x, moved_y, moved_a: the derivatives.
+DP_RECORD(TangentCall,
+    const StepCall* step; const JacobianCall* jacobian; const void* products; const BesideCall* beside; const GivenCall* given; const FormulaSums* sums;
+    const double* x; const double* y; const double* a; const double* last_x; const double* last_y; const signed char* with_rate;
+    const signed char* moved; double* along; double* by_rate; double* by_second; double* lean; double* element; double* rows; double* owned;
+    const double* found; double* moved_x; double* moved_y; double* moved_a; double second; int keys, length, besides, unused;
 )
 
 }  // namespace dp

@@ -40,13 +40,16 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first and the last step of this
 // solve; last_left: of what the pairs left of the last increment; theta: contraction of the steps; slowest: of the error, as estimated.
 // renewed: iteration that renewed the contacts last.
+// kept (3, length of x): null, or gets x, y, a of each whole matrix, which serves after the solve if it goes on from there by the fraction `near`
+// of its first increment at most; beyond: size of the first increment after it, infinite if it is of another
+// solve or was renewed in its contacts.
 // good, factored: there is one, and the chain has it; current: of the present entries.  work_limit: 0 without a limit.  seconds: of phases,
 // added up.
 DP_RECORD(NewtonCall,
     const StepCall* step; const JacobianCall* jacobian; const ChainCall* chain; const ContactCall* contacts; const PrescribedMatrix* replaced;
     const FlagCall* flags; const ReasonCall* reasons; const PartsCall* parts; SecantCall* secants;
-    double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before;
-    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, slowest, last_left, first, theta, seconds[4];
+    double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before; double* kept;
+    double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, slowest, last_left, first, theta, beyond, near, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
     int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
@@ -83,6 +86,7 @@ extern "C" {
 int chain_factor(int, int, int, const void*, double*, const int*, const int*, const int*, const int*, const int*, const int*, const int*,
                  const double*, double*, int*, double, double*, double*, double*);
 void chain_solve(int, const void*, const double*, const double*, const int*, int, const int*, const double*, double*, const int*, double*);
+void chain_solve_columns(int, const void*, const double*, const double*, const int*, int, const int*, int, int, const double*, double*, double*);
 double scaled_size(int, const double*, const double*, double, const double*);
 
 // Sum of rows[i] step[i] over all n rows, or over the chosen ones.
@@ -178,8 +182,13 @@ bool touches_wall(const NewtonCall& c) {
 
 bool shift_fits(const NewtonCall& c) { return std::fabs(c.step->sigma / c.lag_shift - 1.0) <= c.shift_change; }
 
+// Whether what is left of the solve will be so small that a matrix of now serves after it, and the last one will not.
+bool is_due(const NewtonCall& c) {
+    return c.kept && c.iterations > 1 && c.theta * c.last <= c.near * c.first && c.beyond > c.near * c.first;
+}
+
 bool reusable(const NewtonCall& c) {
-    if (!(c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations)) return false;
+    if (!(c.good && c.factored && shift_fits(c) && c.theta <= c.contraction && c.iterations - c.renewed < c.lag_iterations) || is_due(c)) return false;
     return !c.switching || !anywhere(c, flags_changed(c));
 }
 
@@ -271,6 +280,7 @@ Outcome renew_contacts(NewtonCall& c) {
     const Outcome factored = first < c.nodes || c.parts->factor ? factor(c, first) : DONE;
     if (factored != DONE) return factored;
     keep_flags(c);
+    c.beyond = INFINITY;
     c.contact_updates++;
     c.renewed = c.iterations;
     return DONE;
@@ -285,6 +295,8 @@ void begin_factorisation(NewtonCall& c) {
     c.eta = c.eta > 1.0 ? 1.0 : std::pow(c.eta > 1e-10 ? c.eta : 1e-10, 0.8);
 }
 
+constexpr double UNKNOWN = -1.0;
+
 Outcome jacobian(NewtonCall& c) {
     if (c.parts->entries) {
         const Outcome computed = python(c.parts->entries);
@@ -296,6 +308,11 @@ Outcome jacobian(NewtonCall& c) {
         prescribed_entries(c.jacobian, 1.0);
     }
     begin_factorisation(c);
+    c.beyond = UNKNOWN;
+    const std::size_t length = c.step->length;
+    const double* const state[3] = {c.step->x, c.step->y, c.step->a};
+    for (int i = 0; c.kept && i < 3; ++i) std::memcpy(c.kept + i * length, state[i], length * sizeof(double));
+    if (c.kept) c.renewed = c.iterations;
     return DONE;
 }
 
@@ -354,6 +371,7 @@ int judge(NewtonCall& c, const double* plain, const double* left) {
         if (!c.secants || (c.iterations == 2 && c.secants->count == 2)) c.eta = eta;
     }
     if (c.iterations == 1) c.first = size;
+    if (c.beyond == UNKNOWN) c.beyond = size;
     c.last = size;
     c.last_left = found[3];
     const double error = eta * (size > c.last_left ? size : c.last_left);
@@ -398,6 +416,12 @@ Outcome advance(NewtonCall& c) {
 }  // namespace
 
 extern "C" {
+// Solves for `columns` right sides b (n each), at once since the factors are read from memory; work: as many padded vectors.
+void newton_columns(const NewtonCall* call, int columns, const double* b, double* work, double* x) {
+    const ChainCall& h = *call->chain;
+    chain_solve_columns(h.n, h.table, h.store, h.inverse, h.pivot, h.length, h.index, columns, call->n, b, work, x);
+}
+
 // The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
 int newton_judge(NewtonCall* call, int iteration) {
     call->iterations = iteration;
@@ -416,11 +440,30 @@ int newton_reusable(NewtonCall* call, int iteration) {
 
 void newton_new_entries(NewtonCall* call) { begin_factorisation(*call); }
 
+// Computes and factors the matrix at the present state; 0, 1 without a pivot, -1 after an exception in Python.
+int newton_renew(NewtonCall* call) {
+    NewtonCall& c = *call;
+    c.factorisations = 0;
+    c.evaluations = 0;
+    const Outcome computed = jacobian(c), factored = computed == DONE ? factor(c, 0) : computed;
+    c.factored = factored == DONE;
+    if (factored != DONE) c.good = 0;
+    return factored == DONE ? 0 : factored == NO_PIVOT ? 1 : -1;
+}
+
+// Whether the matrix serves after the solve.
+int newton_is_near(NewtonCall* call) {
+    NewtonCall& c = *call;
+    const bool near = c.good && c.factored && c.beyond != UNKNOWN && c.beyond <= c.near * c.first && !motion_turned(c);
+    return !anywhere(c, !near || flags_changed(c));
+}
+
 // Iterates from the unknowns in the assembly's x; returns the reason to end.
 int newton_solve(NewtonCall* call) {
     NewtonCall& c = *call;
     const StepCall& s = *c.step;
     c.iterations = c.evaluations = c.jacobians = c.contact_updates = c.factorisations = 0;
+    c.beyond = INFINITY;
     Outcome ended = DONE;
     if (!c.rows_known) {
         for (int i = 0; i < c.n; ++i) c.q[i] = s.x[s.owned[i]];

@@ -235,7 +235,7 @@ class RockBit(Bit):
             (0,),
             self.params.array,
             context=ctypes.addressof(self._made),
-            update=self._note,
+            update=self._note if self.remembers else None,
         )
         self._follow()
         return (self._block,)
@@ -368,6 +368,11 @@ class RockBit(Bit):
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
+    @property
+    def remembers(self) -> bool:
+        cuts = self.profiled or any(layer.drillability for layer in self.rock.layers)
+        return bool(cuts or self.pattern or self.own_laws)
+
     def accept(self, t: float, state) -> None:
         for law in self.own_laws:
             law.at_time(t)

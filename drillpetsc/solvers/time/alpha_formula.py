@@ -294,11 +294,15 @@ class AlphaHistory:
 
         The ``controlled`` unknowns get their shares.  ``accept`` takes the step, and needs the state in the same arrays.
         """
-        self._tried = step, x, y, w
+        self.take(step, x, y, w)
         _alpha_error(self._at, self._values_at, self.step, step, x, y, self._error_at, *controlled.at)
 
+    def take(self, step: float, x: int, y: int, w: int) -> None:
+        """As ``advance``, without the local error."""
+        self._tried = step, x, y, w
+
     def accept(self) -> None:
-        """Go on to the end of the step that ``advance`` tried last."""
+        """Go on to the end of the step that was tried last."""
         _alpha_accept(self._at, self._values_at, self.step, *self._tried)
         self.step = self._tried[0]
 

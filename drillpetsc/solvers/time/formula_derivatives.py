@@ -5,20 +5,28 @@ The formulas are linear in the states, so the derivatives of the states follow t
 
 from __future__ import annotations
 
+from ctypes import addressof, c_double, c_void_p
+from math import prod
 from typing import Protocol
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.kernels import pointer
+from drillpetsc.kernels.parameters import structure
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaHistory
+
+_FormulaSums = structure("formula_sums")
 
 
 class FormulaDerivatives(Protocol):
-    """What the formula carries from step to step of the derivatives of x, y, a by k parameters, (k, n) each."""
+    """What the formula carries from step to step of the derivatives of x, y, a by k parameters, (k, n) each; kept arrays are not copied."""
 
-    def constants(self, t: float) -> tuple[float, FloatArray, FloatArray]:
-        """Shift [1/s] of the step to ``t`` [s], and the derivatives (k, n) of v0 and v1."""
+    #: address of the sums that are v0 and v1; None: ``constants`` computes these
+    sums_at: int | None
+
+    def constants(self, t: float, v0: int, v1: int) -> float:
+        """Shift [1/s] of the step to ``t`` [s]; without sums, the derivatives of v0 and v1 go to the addresses of arrays (k, n)."""
 
     def advance(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
         """Go on to the derivatives (k, n) at ``t`` [s]."""
@@ -30,25 +38,32 @@ class FormulaDerivatives(Protocol):
 class BdfDerivatives:
     """Backward differentiation of variable steps.
 
-    order: of the formula; second_order: (n,) mask of the unknowns that have rates in the state.
+    order: of the formula.
     """
 
-    def __init__(self, order: int, second_order: np.ndarray) -> None:
-        self.order, self._two = order, second_order
+    def __init__(self, order: int) -> None:
+        self.order = order
+        self._arrays = (c_double * order)(), (c_void_p * order)(), (c_void_p * order)()
+        self._sums = _FormulaSums()
+        self._sums.weights, self._sums.x, self._sums.y = (addressof(q) for q in self._arrays)
+        self.sums_at: int | None = addressof(self._sums)
         self._nodes: list[tuple[float, FloatArray, FloatArray]] = []
         self._half: tuple[float, FloatArray, FloatArray] | None = None
         self._steps = 0
 
     def start(self, t: float, x: FloatArray, y: FloatArray) -> None:
         """Begin at the derivatives x, y (k, n) at ``t`` [s]."""
-        self._nodes, self._half, self._steps = [(t, x.copy(), y * self._two)], None, 0
+        self._nodes, self._half, self._steps = [(t, x.copy(), y.copy())], None, 0
 
-    def constants(self, t: float) -> tuple[float, FloatArray, FloatArray]:
+    def constants(self, t: float, v0: int, v1: int) -> float:
         """As of ``FormulaDerivatives``."""
         nodes = [*self._nodes, *([self._half] if self._half is not None else [])][: self.order]
-        weights = _derivative_weights(t, [q[0] for q in nodes])
-        v0, v1 = (sum(w * q[i] for w, q in zip(weights[1:], nodes, strict=True)) for i in (1, 2))
-        return float(weights[0]), np.asarray(v0), np.asarray(v1)
+        shift, *weights = derivative_weights(t, [q[0] for q in nodes])
+        by_node, at_x, at_y = self._arrays
+        for i, (weight, (_, x, y)) in enumerate(zip(weights, nodes, strict=True)):
+            by_node[i], at_x[i], at_y[i] = weight, pointer(x), pointer(y)
+        self._sums.count = len(nodes)
+        return shift
 
     def begins_with_half(self, t: float, step: float) -> bool:
         """Whether a stage that ends at ``t`` [s] is the half of a first ``step`` [s], which PETSc takes before the whole one."""
@@ -59,11 +74,11 @@ class BdfDerivatives:
 
     def try_stage(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
         """As of ``FormulaDerivatives``: the half step of backward Euler with which PETSc starts."""
-        self._half = t, x.copy(), y * self._two
+        self._half = t, x, y
 
     def advance(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
         """As of ``FormulaDerivatives``."""
-        self._nodes, self._steps = [(t, x.copy(), y * self._two), *self._nodes][: self.order], self._steps + 1
+        self._nodes, self._steps = [(t, x, y), *self._nodes][: self.order], self._steps + 1
         if len(self._nodes) >= self.order:
             self._half = None
 
@@ -73,49 +88,42 @@ class AlphaDerivatives:
 
     def __init__(self, formula: AlphaFormula, second_order: np.ndarray, count: int) -> None:
         self.formula, self._t = formula, 0.0
-        self._histories = [AlphaHistory(formula, second_order) for _ in range(count)]
-        self._v0, self._v1, self._guess = (np.zeros((count, len(second_order))) for _ in range(3))
+        self.sums_at: int | None = None
+        # the unknowns of all parameters one after the other
+        self._history = AlphaHistory(formula, np.tile(second_order, count))
+        self._guess = np.zeros(count * len(second_order))  # not used
 
     def start(
         self, t: float, x: FloatArray, y: FloatArray, a: FloatArray, rate: FloatArray, second: FloatArray
     ) -> None:
         """Begin at the derivatives (k, n) of what ``AlphaHistory.start`` has, at ``t`` [s]."""
         self._t = t
-        for history, *parts in zip(self._histories, x, y, a, rate, second, strict=True):
-            history.start(*parts)
+        self._history.start(*(q.ravel() for q in (x, y, a, rate, second)))
 
-    def constants(self, t: float) -> tuple[float, FloatArray, FloatArray]:
+    def constants(self, t: float, v0: int, v1: int) -> float:
         """As of ``FormulaDerivatives``."""
-        h = t - self._t
-        for history, *arrays in zip(self._histories, self._v0, self._v1, self._guess, strict=True):
-            history.begin(h, *map(pointer, arrays))
-        return self.formula.shifts(h)[0], self._v0, self._v1
+        return self._history.begin(t - self._t, v0, v1, pointer(self._guess))[0]
 
     def try_stage(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
         """As of ``FormulaDerivatives``: the trial of the first step, which gives the derivative by which a_0 leads."""
         self._try(t, x, y, a)
-        for history in self._histories:
-            history.lead_by_trial()
+        self._history.lead_by_trial()
 
     def advance(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
         """As of ``FormulaDerivatives``."""
         self._try(t, x, y, a)
         self._t = t
-        for history in self._histories:
-            history.accept()
+        self._history.accept()
 
-    def _try(self, t: float, *state: FloatArray) -> None:
-        self._tried = [np.ascontiguousarray(q) for q in state]  # until the histories have taken the step
-        for history, *parts in zip(self._histories, *self._tried, strict=True):
-            history.advance(t - self._t, *map(pointer, parts))
+    def _try(self, t: float, x: FloatArray, y: FloatArray, a: FloatArray) -> None:
+        self._tried = x, y, a  # until the history has taken the step
+        self._history.take(t - self._t, pointer(x), pointer(y), pointer(a))
 
 
-def _derivative_weights(t: float, times: list[float]) -> FloatArray:
+def derivative_weights(t: float, times: list[float]) -> list[float]:
     """Weights (1 + k,) of the values at ``t`` and at ``times`` (k,) [s] in the derivative at ``t`` of their polynomial."""
-    every = np.array([t, *times])
-    out = np.zeros(len(every))
+    every, out = [t, *times], [sum(1.0 / (t - q) for q in times)]
     for j in range(1, len(every)):
-        others = np.array([q for i, q in enumerate(every) if i not in (0, j)])
-        out[j] = np.prod((t - others) / (every[j] - others)) / (every[j] - t)
-    out[0] = np.sum(1.0 / (t - every[1:]))
+        others = [q for i, q in enumerate(every) if i not in (0, j)]
+        out.append(prod((t - q) / (every[j] - q) for q in others) / (every[j] - t))
     return out

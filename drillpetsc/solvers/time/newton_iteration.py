@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
 from drillpetsc.fem.assembly import StepCalls
 from drillpetsc.fem.contact_entries import ContactEntries
 from drillpetsc.fem.discrete_system import DiscreteSystem
@@ -32,6 +33,8 @@ _judge, _reusable = (
     function("newton_reusable", "pi", ctypes.c_int),
 )
 _new_entries = function("newton_new_entries", "p")
+_is_near = function("newton_is_near", "p", ctypes.c_int)
+_renew = function("newton_renew", "p", ctypes.c_int)
 _NewtonCall, _ReasonCall = structure("newton_call"), structure("reason_call")
 _ContactCall, _FlagCall, _PartsCall, _SecantCall = (
     structure("contact_call"),
@@ -63,6 +66,9 @@ CONTACT_ITERATIONS = 5
 #: a factorisation is reused while the shift has changed by less than this, the contraction is better than this, and this
 #: many iterations have not sufficed (manual: sec-time-newton)
 SHIFT_CHANGE, CONTRACTION, LAG_ITERATIONS = 0.2, 0.5, 8
+#: a matrix serves after a solve if the solve has gone on from its state by this fraction of its first increment at most (manual:
+#: sec-sensitivities-steps)
+NEAR = 1e-5
 
 
 class NewtonIteration:
@@ -347,6 +353,41 @@ class NewtonIteration:
         """The direct solver now has the present entries of the assembly."""
         assert self.factor is not None
         self._factored, self._version = self.factor.factorisations, self.system.assembly.version
+
+    # ------------------------------------------------------------------ the factors for other right sides
+    def serve_others(self) -> None:
+        """Keep the state of each matrix from now on, and compute one late in each solve, for ``state_of_factor``."""
+        self._kept = np.zeros((3, len(self.system.assembly.x)))
+        self.record.kept, self.record.near = pointer(self._kept), NEAR
+
+    def state_of_factor(self) -> tuple[int, int, int]:
+        """Addresses of the x, y, a at which the factored matrix is, after a solve whose state is the assembly's; collective.
+
+        It is a state of the solve from which this has gone on by ``NEAR`` of its first increment at most.  Without such a matrix
+        it is computed here, at the present state, and Newton's method goes on with it.
+        """
+        asm, length = self.system.assembly, 8 * len(self.system.assembly.x)
+        assert self.factor is not None
+        self.record.factored = self.has_factor and self._version == asm.version
+        if _is_near(self._at):
+            at = self.record.kept
+            return at, at + length, at + 2 * length
+        asm.weigh_next(self.weights)
+        failed = _renew(self._at)
+        asm.version += 1
+        self.factor.renewed(self.record.factorisations)
+        self.take_factor()
+        if self._error is not None:
+            error, self._error = self._error, None
+            raise error
+        if failed:
+            raise SolveError("the matrix of the string is singular to working precision", time=self.t)
+        x, y, a, _ = asm.state_at
+        return x, y, a
+
+    def columns(self, count: int) -> tuple[int, FloatArray]:
+        """Address of the record, with which compiled code solves ``count`` right sides on one rank, and the work array that it needs."""
+        return self._at, np.zeros((count, self._chain.length))
 
     def restore(self, shift: float, signature: int) -> None:
         """Treat the assembly's entries as the entries of a factorisation at ``shift`` [1/s] with the contacts of a ``signature``."""

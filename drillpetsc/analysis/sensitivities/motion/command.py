@@ -39,6 +39,8 @@ MOVES, SMALL = (
     0.01,
 )  # change of a derivative by it, and of the largest one of the output, from which it is flagged
 UNDETERMINED = "not determined"  # flag of outputs that end in chaotic motion
+#: of the largest value of a column: smaller effects of a change of a key by its own size are rounding
+ROUNDING = 1e-9
 STEPS = "steps"  # flag of derivatives that looser steps move
 Numbers = list[tuple[float, FloatArray]]
 
@@ -115,6 +117,7 @@ def _derivatives(
     """Derivatives of all outputs by all keys; those beyond the time up to which they are determined have no number."""
     series, out = repeated.series, []
     until = {at.column: at.until for at in followed}
+    sizes = [np.abs(series.values[:, repeated.columns.index(q.column)]).max() for q in repeated.outputs]
     kinks = [k for k, flag in enumerate(series.flags) if ONE_SIDED in flag]
     sides = {k: repeated.both_sides(series.keys[k]) for k in kinks}
     for i, (q, (value, slopes)) in enumerate(zip(repeated.outputs, repeated.numbers, strict=True)):
@@ -127,6 +130,8 @@ def _derivatives(
             flag = ", ".join(filter(None, [series.flags[k], "" if known else UNDETERMINED]))
             below, above = sides[k][:, i].tolist() if k in sides else (np.nan, np.nan)
             slope = float(slopes[k]) if known else np.nan
+            if abs(slope * key.size) <= ROUNDING * sizes[i]:
+                slope = 0.0
             out.append(Derivative(Output(quantity), key, value, slope, flag, below, above))
     return out
 

@@ -24,16 +24,16 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.model.mesh import MeshOf
-from drillpetsc.output.column_series import ColumnSeries
+from drillpetsc.output.column_series import ColumnSeries, ColumnSeriesOfSystems
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.physics.bit.rock_bit import RockBit
-from drillpetsc.solvers.time.beside_rows import Beside
+from drillpetsc.solvers.time.beside_systems import Beside
 from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
-TOLERANCE, NEWTON = "q_snes_stol", 1e-10  # of Newton's method, at most
+TOLERANCE, NEWTON = "q_snes_stol", 1e-12  # of Newton's method, at most
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,9 @@ class _Run:
         ]
         self.tangent = StepTangent(self.integrator, self.beside) if found else None
         recorders = [run.recorder, *(Recorder(m) for n in found for m in n.models)]
-        self.readers = [ColumnSeries(r, LiveOutputs(r).find(columns)) for r in recorders]
+        self.readers = ColumnSeriesOfSystems(
+            [ColumnSeries(r, LiveOutputs(r).find(columns)) for r in recorders]
+        )
         self.times: list[float] = []
         self.steps: list[float] = []
         self.integrator.after_step.append(self._after_step)
@@ -238,15 +240,17 @@ class _Run:
         self.steps.append(dt)
         self.times.append(t)
         if self.tangent is not None:
-            self.tangent.balance(self.integrator.newton.t)
-        for reader in self.readers:
-            reader.add(self.integrator.newton.t)
+            self.tangent.balance()
+        first = not self.readers.is_read
+        self.readers.add(self.integrator.newton.t)
+        if first and self.tangent is not None:
+            self.tangent.read_only(self.readers.unknowns_read)
 
     def series(self, end: float) -> RunSeries:
         """Integrate to the ``end`` [s]; collective."""
         began = clock.process_time()
         self.integrator.run(0.0, end, self.run.model.breaks)
-        base, *beside = [reader.rows() for reader in self.readers]
+        base, *beside = self.readers.rows()
         slopes, rows = np.zeros((*base.shape, len(self.keys))), iter(beside)
         for k, group in enumerate(self.beside):
             for one in group:
