@@ -593,7 +593,7 @@ class Contact(PythonBlock):
     stiffness: contact stiffness per length (linear, hertz) or of a point (hertz_point): linear [Pa], hertz [N/m^2.5], hertz_point [N/m^1.5]; a default only for linear. physical (linear only): from the moduli of casing and rock (formation.young) at each part of the string
     restitution: coefficient of restitution [-]: speed after over speed before an impact
     restitution_speed: impact speed at which the restitution holds [m/s]
-    slip_velocity: slip speed over which friction builds up [m/s]; when not given 0.01 m/s, or a twentieth of the slowest top.lowering of a string that does not turn, if that is less
+    slip_velocity: slip speed over which friction builds up [m/s]; when not given 0.01 m/s, or a twentieth of the slowest top.lowering of a string that does not turn (5 m/h where an autodriller finds it), if that is less
     stribeck: static friction; none when not given
     friction_law: the friction coefficient as a function of the state at each contact point; Coulomb's law, with stribeck, when not given. The soft string of torque-and-drag uses the coefficients of the wall
     points_per_element: contact points per element

@@ -16,6 +16,7 @@ from drillpetsc.case.files.mud_report import api_annulus
 from drillpetsc.case.quantities import largest, slowest
 
 LARGEST_SLIP, LEAST_SLIP = 0.01, 1e-5  # [m/s]
+UNKNOWN_RATE = 5 / 3600  # [m/s] of sliding, where an autodriller finds it
 FULL_DRAG = 0.05  # slip velocity over the speed of sliding, at which friction lacks 0.12 %
 
 
@@ -59,8 +60,10 @@ def _slip_velocity(case: CaseBlocks) -> float:
     if largest(top.rotation) or top.torque is not None or top.force is not None:
         return LARGEST_SLIP
     drill = top.autodriller
-    speeds = (slowest(top.lowering), slowest(drill.rop if drill is not None else None))
-    slow = min((speed for speed in speeds if speed is not None), default=LARGEST_SLIP / FULL_DRAG)
+    found = () if drill is None else (slowest(drill.rop) or UNKNOWN_RATE,)
+    slow = min(
+        (speed for speed in (slowest(top.lowering), *found) if speed), default=LARGEST_SLIP / FULL_DRAG
+    )
     return min(LARGEST_SLIP, max(slow * FULL_DRAG, LEAST_SLIP))
 
 

@@ -84,11 +84,14 @@ def test_slip_velocity_follows_the_slowest_sliding():
                 "survey": {"md": [0, 400], "inclination": [1, 1], "azimuth": [0, 0]},
                 "sections": [{"to": 400, "kind": "open_hole", "diameter": 0.2159}],
             },
-            string=[{"kind": "pipe", "length": 250, "od": 0.127, "id": 0.1086}],
+            string=[{"kind": "pipe", "length": 400, "od": 0.127, "id": 0.1086}],
             top={"kind": "top_drive", **top},
+            bottom="bit",
         ).contact.slip_velocity
 
     pieces = {"time": [0, 5, 6, 60], "value": ["0 m/h", "18 m/h", "36 m/h", "36 m/h"]}
     assert slip(lowering=pieces) == pytest.approx(0.005 / 20)
     assert slip(lowering={"ramp": 2, "value": -0.1}) == pytest.approx(0.005)
+    drill = {"hoist": {"block_mass": 3e4, "line": {"diameter": 0.035}}, "autodriller": {"wob": 5e4}}
+    assert slip(**drill) == pytest.approx(5 / 3600 / 20)
     assert slip(lowering=0.5) == slip(lowering=0.001, rotation=8) == slip() == 0.01

@@ -54,7 +54,7 @@ class Contact(Block):
     )
     slip_velocity: Annotated[float, Quantity("m/s", above=0)] = derived_default(
         "slip speed over which friction builds up; when not given 0.01 m/s, or a twentieth of the slowest top.lowering of a string "
-        "that does not turn, if that is less"
+        "that does not turn (5 m/h where an autodriller finds it), if that is less"
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
     friction_law: OwnFriction | None = Field(
