@@ -87,10 +87,9 @@ def changed_case(case: Case, values: Mapping[Key, float], survey: Survey | None 
     if isinstance(well, Mapping) and "survey" in well and not own_survey:
         # read once, not for every key; it ends at bit_depth, and so do the sections
         kept = list(well["sections"])[: len(case.given_well.sections)]
+        last = kept[-1]
         kept[-1] = (
-            kept[-1] | {"to": "end"}
-            if isinstance(kept[-1], Mapping)
-            else kept[-1].model_copy(update={"to": None})
+            {**last, "to": "end"} if isinstance(last, Mapping) else last.model_copy(update={"to": None})
         )
         keys = {**keys, "well": {**well, "survey": survey or case.given_well.survey, "sections": kept}}
     token = FOLDER.set(case._given.folder)
