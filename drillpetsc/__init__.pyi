@@ -593,7 +593,7 @@ class Contact(PythonBlock):
     stiffness: contact stiffness per length (linear, hertz) or of a point (hertz_point): linear [Pa], hertz [N/m^2.5], hertz_point [N/m^1.5]; a default only for linear. physical (linear only): from the moduli of casing and rock (formation.young) at each part of the string
     restitution: coefficient of restitution [-]: speed after over speed before an impact
     restitution_speed: impact speed at which the restitution holds [m/s]
-    slip_velocity: slip speed over which friction builds up [m/s]
+    slip_velocity: slip speed over which friction builds up [m/s]; when not given 0.01 m/s, or a twentieth of the slowest top.lowering of a string that does not turn (5 m/h where an autodriller finds it), if that is less
     stribeck: static friction; none when not given
     friction_law: the friction coefficient as a function of the state at each contact point; Coulomb's law, with stribeck, when not given. The soft string of torque-and-drag uses the coefficients of the wall
     points_per_element: contact points per element
@@ -881,7 +881,8 @@ class Fluid(PythonBlock):
     outlet_pressure: gauge pressure at the flow line, or without an annulus at the string's lower end, over time [Pa]
     choke: a valve between annulus and outlet; none when not given
     flow_line: depth of the flow line below the rotary table, straight down [m]
-    level_in_string: measured depth of the mud's surface in a plugged string, which is empty above [m]: floated or unfilled strings (roadmap and calibrate with the soft string)
+    level_in_string: measured depth of the mud's surface in a plugged string, which is empty above [m]: a string that is not filled (roadmap and calibrate with the soft string)
+    floated_length: length of the lower end of a plugged string that holds air below a flotation collar, with mud above it (roadmap and calibrate with the soft string) [m]
     annulus: whether there is fluid between string and hole; when not given, true in a case with a well
     bit_volume: volume around the bit, between nozzles and annulus [m3]
     discharge_coefficient: discharge coefficient of the nozzles [-]
@@ -912,6 +913,7 @@ class Fluid(PythonBlock):
         choke: Choke | dict[str, Any] | None = None,
         flow_line: Value | None = None,
         level_in_string: Value | None = None,
+        floated_length: Value | None = None,
         annulus: bool | None = None,
         bit_volume: Value | None = None,
         discharge_coefficient: float | None = None,

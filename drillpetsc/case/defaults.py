@@ -13,7 +13,11 @@ from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.string import Beam, Bit, Inertia, Item, Material, Rigid, Tube
 from drillpetsc.case.blocks.items.tools import TelescopingTool
 from drillpetsc.case.files.mud_report import api_annulus
-from drillpetsc.case.quantities import largest
+from drillpetsc.case.quantities import largest, slowest
+
+LARGEST_SLIP, LEAST_SLIP = 0.01, 1e-5  # [m/s]
+UNKNOWN_RATE = 5 / 3600  # [m/s] of sliding, where an autodriller finds it
+FULL_DRAG = 0.05  # slip velocity over the speed of sliding, at which friction lacks 0.12 %
 
 
 def fill_presence_defaults(case: CaseBlocks) -> None:
@@ -23,6 +27,9 @@ def fill_presence_defaults(case: CaseBlocks) -> None:
         case.fill_defaults(contact=None)
     elif case.well is not None and "contact" not in case.model_fields_set:
         case.fill_defaults(contact=Contact())
+    if case.contact is not None and case.contact.slip_velocity is None:
+        contact = case.contact.model_copy(update={"slip_velocity": _slip_velocity(case)})
+        case.fill_defaults(contact=contact)
     if case.fluid is not None:
         annulus = case.well is not None if case.fluid.annulus is None else case.fluid.annulus
         speed = case.fluid.lateral_damping_speed or largest(case.top.rotation) or 1.0
@@ -45,6 +52,19 @@ def fill_presence_defaults(case: CaseBlocks) -> None:
                 update={"annulus": annulus, "lateral_damping_speed": speed, "annulus_rheology": around}
             )
         )
+
+
+def _slip_velocity(case: CaseBlocks) -> float:
+    """Slip speed over which friction builds up [m/s], so small that a string that slides at the rate of drilling has its full drag."""
+    top = case.top
+    if largest(top.rotation) or top.torque is not None or top.force is not None:
+        return LARGEST_SLIP
+    drill = top.autodriller
+    found = () if drill is None else (slowest(drill.rop) or UNKNOWN_RATE,)
+    slow = min(
+        (speed for speed in (slowest(top.lowering), *found) if speed), default=LARGEST_SLIP / FULL_DRAG
+    )
+    return min(LARGEST_SLIP, max(slow * FULL_DRAG, LEAST_SLIP))
 
 
 def fill_case_defaults(case: CaseBlocks) -> None:

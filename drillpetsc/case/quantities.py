@@ -360,6 +360,12 @@ def as_list(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
+def slowest(function: TimeFunction | None) -> float | None:
+    """Smallest magnitude above zero of the given values of an input over time, in its unit; None if all are zero."""
+    values = function.values if isinstance(function, PiecewiseLinear) else (largest(function),)
+    return min((abs(value) for value in values if value), default=None)
+
+
 def largest(function: TimeFunction | None) -> float:
     """Largest magnitude of an input over time, in its unit; 0 without an input; for an input set during the run, its value at time 0."""
     if function is None:

@@ -38,6 +38,7 @@ PLACES: dict[str, str] = {
     "pv": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
     "yp": "rheology: {pv: 23 cP, yp: 18 lbf/100ft2}",
     "dial": "rheology: {dial: {600: 64, 300: 41}}",
+    "connection": "tool_joint: {connection: NC50}",
     "od": "diameter is the diameter of the hole; in casing, its inner diameter",
     "id": "diameter is the diameter of the hole; in casing, its inner diameter",
     "from": "a section begins at the end of the one above",
@@ -81,8 +82,9 @@ def _fits(word: str, keys: Collection[str]) -> bool:
     """Whether the block is one in which the word of PLACES is meant so."""
     if word in ("od", "id", "from"):
         return "diameter" in keys and "to" in keys
-    if word in ("pv", "yp", "dial"):
-        return "rheology" in keys
+    inside = {"pv": "rheology", "yp": "rheology", "dial": "rheology", "connection": "tool_joint"}
+    if word in inside:
+        return inside[word] in keys
     return "string" in keys and "well" in keys
 
 

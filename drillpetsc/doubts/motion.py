@@ -428,7 +428,7 @@ class SlackLine(Doubt):
 
 
 class HeldByCreep(Doubt):
-    """At the end, regularised friction holds the string while it creeps, so held loads relax with time (manual: sec-contact-creep)."""
+    """At the end, regularised friction holds the string while it creeps or slides slowly, so held loads relax with time (manual: sec-contact-creep)."""
 
     about = (End,)
     sentence = (
@@ -441,8 +441,7 @@ class HeldByCreep(Doubt):
         model, top = at.model, at.case.top
         if not at.finished or at.recorder.energy is None or model.contact is None:  # quasi-static: no slip
             return
-        motions = (top.lowering if top.force is None else None, top.rotation)
-        if any(motion is not None and motion.value(at.time) != 0.0 for motion in motions):
+        if top.rotation is not None and top.rotation.value(at.time) != 0.0:
             return
         force, speed = held_by_creep(model)
         weight = float(np.sum(model.effective_mass * model.mesh.length) * np.linalg.norm(at.case.gravity))

@@ -49,6 +49,7 @@ from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.time_function import Constant
+from drillpetsc.unit_systems import shown
 
 Part = TypeVar("Part")
 
@@ -183,12 +184,13 @@ def build_model(
     like: the mesh of nearly the same case, whose elements are taken.
     Raises CaseError if mesh or hole are impossible.
     """
-    if case.fluid is not None and case.fluid.level_in_string is not None:
-        want = "no level_in_string, except in roadmap and calibrate with the soft string"
-        hint = "a plugged string without it is empty"
-        raise CaseError(
-            at="fluid.level_in_string", got=f"{case.fluid.level_in_string:g} m", want=want, hint=hint
-        )
+    for key in ("level_in_string", "floated_length"):
+        given = None if case.fluid is None else getattr(case.fluid, key)
+        if given is not None:
+            want = f"no {key}, except in roadmap and calibrate with the soft string"
+            hint = "a plugged string without it is empty"
+            got = shown(given, "length", case.shown_units, 6)
+            raise CaseError(at=f"fluid.{key}", got=got, want=want, hint=hint)
     if case.components and (case.hold_string or case.beam.formulation == "quaternion"):
         want = "no components of the user with hold_string, or with beam.formulation quaternion"
         raise CaseError(at="components", want=want)

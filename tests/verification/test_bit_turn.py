@@ -37,7 +37,7 @@ def test_weight_stays_when_the_axis_of_the_end_is_renewed(bit, stiffness, monkey
                 )
 
         monkeypatch.setattr(rock, "apply_update", watched)
-        s.step(1.0)
+        s.step(1.5)
     turn, weight, depth = np.array(changes).T
     assert len(turn) >= 3
     assert turn.min() > 5e-5

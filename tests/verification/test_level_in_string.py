@@ -84,3 +84,56 @@ def test_an_open_string_fills() -> None:
     with pytest.raises(CaseError, match="level_in_string[\\s\\S]*plugged"):
         case(bottom="free")
     assert dp.Case(**case_data(case())) == case()
+
+
+def test_floated_casing_holds_air_below_the_collar(tmp_path: Path) -> None:
+    """9 5/8 in casing, 7987.8 kg/m3, in 10.4 ppg: mud to the collar, air in the lowest 1980 m; J-well by own integration of the
+    soft string over arc length (trapezoids of 0.5 m), with the helix of the pushed part left out by a string in tension."""
+    floated = 1980.0
+    outside, bore = np.pi / 4 * 0.244475**2, np.pi / 4 * 0.2204974**2
+    metal, mud = 7987.8 * (outside - bore), 10.4 * 119.826427
+    survey = {"md": [0, 760, 1540, 4200], "inclination": [0, 0, 1.3, 1.3], "azimuth": [2] * 4}
+    plan = {
+        "bit_depth": [3000, 4100],
+        "operations": ["trip_in", "trip_out"],
+        "friction_factor": {"cased": 0.22},
+    }
+    well = dp.Case(
+        well={"survey": survey, "sections": [{"kind": "casing", "diameter": 0.3153, "friction": 0.22}]},
+        string=[
+            {"kind": "pipe", "length": 4100, "od": 0.244475, "id": 0.2204974, "material": {"density": 7987.8}}
+        ],
+        top="clamped",
+        bottom=PLUGGED,
+        fluid={
+            "density": mud,
+            "rheology": {"model": "newtonian", "viscosity": 0.02},
+            "floated_length": floated,
+        },
+        roadmap=plan,
+    )
+    folder = dp.roadmap(well, tmp_path / "out").folder
+    table = read_table(folder / "roadmap.csv")
+    kappa = 1.3 / 780
+
+    def hook(bit: float, sign: float) -> float:
+        s = np.linspace(bit, 0, 2 * int(bit) + 1)
+        force = 0.0
+        for a, b in zip(s, s[1:], strict=False):
+            m = 0.5 * (a + b)
+            w = G * (metal + (mud * bore if m < bit - floated else 0.0) - mud * outside)
+            i = np.clip((m - 760) * kappa, 0, 1.3)
+            bend = kappa if 760 < m < 1540 else 0.0
+            normal = abs(w * np.sin(i) - force * bend)
+            force += (a - b) * (w * np.cos(i) + sign * 0.22 * normal)
+        return force
+
+    expected = sorted(hook(bit, sign) for sign in (-1, 1) for bit in (3000.0, 4100.0))
+    assert sorted(table["hook_load [N]"]) == pytest.approx(expected, rel=2e-3)
+    full = next(r for r in rows_at(well, 3000.0).weight[:1])
+    assert full == pytest.approx(G * (metal + mud * bore - mud * outside), rel=1e-9)
+    assert "empty in its lowest 1980 m, with mud above" in describe(well)
+    with pytest.raises(CaseError, match="not both"):
+        dp.Case(**case_data(well) | {"fluid": case_data(well)["fluid"] | {"level_in_string": 5}})
+    with pytest.raises(CaseError, match="floated_length"):
+        dp.statics(well, tmp_path / "s")

@@ -11,6 +11,7 @@ from drillpetsc.analysis.commands.string_figures import figure_lines, short_figu
 from drillpetsc.analysis.hydraulics.doubts import OfCase, WindowInMeasuredDepth
 from drillpetsc.analysis.hydraulics.open_hole import open_hole
 from drillpetsc.analysis.loads.torque_drag.operations import Pair, pairs_of, plan_of, strings_of
+from drillpetsc.analysis.loads.torque_drag.string_rows import partly_filled
 from drillpetsc.analysis.motion.machine_report import drive_lines, hoist_lines
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.summary import field_counts
@@ -132,16 +133,15 @@ def describe(case: Case, verbose: bool = True) -> str:
     verbose: with element lengths, each figure's source, numbers of unknowns and times; otherwise what an engineer reads
     before a computation.
     """
-    fluid, level = case.fluid, None
-    if fluid is not None and fluid.level_in_string is not None:
-        level = shown(fluid.level_in_string, "length", case.shown_units, 6)
-        case = case.model_copy(update={"fluid": fluid.model_copy(update={"level_in_string": None})})
+    key, empty = partly_filled(case), ""
+    if key is not None:
+        value = shown(getattr(case.fluid, key), "length", case.shown_units, 6)
+        empty = f"above MD {value}" if key == "level_in_string" else f"in its lowest {value}, with mud above"
+        case = case.model_copy(update={"fluid": case.given_fluid.model_copy(update={key: None})})
     with options_of(case):
         lines = _lines(build_model(case), verbose)
-    if level is not None:
-        lines.append(
-            f"  fluid: the string is empty above MD {level}, in roadmap and calibrate; other commands refuse"
-        )
+    if empty:
+        lines.append(f"  fluid: the string is empty {empty}, in roadmap and calibrate; other commands refuse")
     return "\n".join(lines)
 
 

@@ -18,7 +18,7 @@ from drillpetsc.analysis.follow.follower import Follower, Update
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.operations import groups_of
 from drillpetsc.analysis.loads.torque_drag.roadmap import densities_of
-from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, mud_level, rows_at
+from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, mud_in_bore, rows_at
 from drillpetsc.analysis.loads.torque_drag.table import still_mud, stress_and_margin
 from drillpetsc.case.case import Case
 from drillpetsc.unit_systems import shown
@@ -108,7 +108,7 @@ def _strength_left(case: Case, update: Update, follower: Follower) -> float:
         load.rotation * one, of["weight_factor"] * one,
     )  # fmt: skip
     batch = soft_strings(hole, columns)
-    mud = still_mud(hole, 1, densities_of(case), gravity_of(case, "follow"), mud_level(case))
+    mud = still_mud(hole, [mud_in_bore(case, placed.depth)], densities_of(case), gravity_of(case, "follow"))
     margin = float(stress_and_margin(hole, columns, batch, mud)[1][0])
     top = float(batch.tension[0, 0]) + of["block_weight"]
     return margin - max(update.reading.hook_load - top, 0.0)

@@ -17,6 +17,10 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 FIRST_STEP = 1.0  # [s]
 LARGEST_ADVANCE = 0.1  # largest motion of the top in a step [m], during which the wall is fixed
 LONGEST_STEP = 60.0  # [s]
+CURE = (
+    "the string has no equilibrium near the last one, as when its buckles jump to another state under the weight in the last row of "
+    "history.csv; less weight on bit, or time.mode: dynamic, which moves through the jump"
+)
 
 
 def longest_step(model: DrillingModel) -> float:
@@ -78,6 +82,8 @@ class QuasiStatic:
                 want="the condensed BDF integrator: no -ts_type and no -snes_type",
             )
         d.before_solve.append(self.move)
+        if self.model.bit is not None:
+            d.cure = CURE
         return d
 
     def start(self, t: float = 0.0, lateral_fraction: float = 1.0) -> None:

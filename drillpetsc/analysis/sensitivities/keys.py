@@ -85,8 +85,13 @@ def changed_case(case: Case, values: Mapping[Key, float], survey: Survey | None 
     well = keys.get("well")
     own_survey = any(key.name.startswith(("well.survey", "bit_depth")) for key in values)
     if isinstance(well, Mapping) and "survey" in well and not own_survey:
-        # read once, not for every key
-        keys = {**keys, "well": {**well, "survey": survey or case.given_well.survey}}
+        # read once, not for every key; it ends at bit_depth, and so do the sections
+        kept = list(well["sections"])[: len(case.given_well.sections)]
+        last = kept[-1]
+        kept[-1] = (
+            {**last, "to": "end"} if isinstance(last, Mapping) else last.model_copy(update={"to": None})
+        )
+        keys = {**keys, "well": {**well, "survey": survey or case.given_well.survey, "sections": kept}}
     token = FOLDER.set(case._given.folder)
     try:
         return Case(**changed(keys, {q.name: f"{v!r} {q.unit}".rstrip() for q, v in values.items()}))

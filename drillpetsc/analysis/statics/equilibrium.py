@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.statics.checks.folded_elements import refuse_folded
+from drillpetsc.analysis.statics.checks.folded_elements import refuse_fallen, refuse_folded
 from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, surge_rates
 from drillpetsc.analysis.statics.friction_newton import START_INCREMENT, reach
 from drillpetsc.analysis.statics.path.path_answer import PathKind
@@ -20,7 +20,7 @@ from drillpetsc.analysis.statics.start.soft_string_start import place_marched, s
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.statics.top_on_wall import balance_across
-from drillpetsc.case.quantities import said
+from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Solved
 from drillpetsc.errors import CaseError, SolveError
@@ -93,6 +93,7 @@ def director_equilibrium(
         report.negative_pivots, report.singular = max(0, count), count < 0
         problem.impose(reached)
     refuse_folded(model)
+    refuse_fallen(model)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     state.warnings += doubts_at(
@@ -286,11 +287,13 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
     assert found.locked_at is not None
     item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
     what = "no weight" if case.initial.wob else "no push"
+    flows = case.fluid is not None and largest(case.fluid.flow_rate) > 0
     scale, _, unit = display_unit("length", _units(model))
     return SolveError(
         f"locked up: {what} passes MD {found.locked_at / scale:.0f} {unit} ({item.name or item.kind}); "
         "below it the string coils in the hole, and friction takes any further push",
-        hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight",
+        hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight"
+        + ("; less flow or a wider annulus, whose pressure lifts the string (hydraulics)" if flows else ""),
     )
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from drillpetsc.case.block import Block
+from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.blocks.own_law import LawOfKind
 from drillpetsc.case.key_paths import refuse
@@ -52,8 +52,9 @@ class Contact(Block):
     restitution_speed: Annotated[float, Quantity("m/s", above=0)] = Field(
         default=1.0, description="impact speed at which the restitution holds"
     )
-    slip_velocity: Annotated[float, Quantity("m/s", above=0)] = Field(
-        default=0.01, description="slip speed over which friction builds up"
+    slip_velocity: Annotated[float, Quantity("m/s", above=0)] = derived_default(
+        "slip speed over which friction builds up; when not given 0.01 m/s, or a twentieth of the slowest top.lowering of a string "
+        "that does not turn (5 m/h where an autodriller finds it), if that is less"
     )
     stribeck: Stribeck | None = Field(default=None, description="static friction; none when not given")
     friction_law: OwnFriction | None = Field(

@@ -320,7 +320,12 @@ class Fluid(Block):
     )
     level_in_string: Annotated[float, Quantity("m", at_least=0, at_most=50e3)] | None = Field(
         default=None,
-        description="measured depth of the mud's surface in a plugged string, which is empty above: floated or unfilled strings "
+        description="measured depth of the mud's surface in a plugged string, which is empty above: a string that is not filled "
+        "(roadmap and calibrate with the soft string)",
+    )
+    floated_length: Annotated[float, Quantity("m", at_least=0, at_most=50e3)] | None = Field(
+        default=None,
+        description="length of the lower end of a plugged string that holds air below a flotation collar, with mud above it "
         "(roadmap and calibrate with the soft string)",
     )
     annulus: Annotated[bool, Strict()] = derived_default(

@@ -48,9 +48,12 @@ def check_fluid(case: CaseBlocks) -> None:
     if case.fluid is None:
         return
     _annulus(case)
-    if case.fluid.level_in_string is not None and not (case.bottom.plugged and not case.side_nozzles):
+    partly = [key for key in ("level_in_string", "floated_length") if getattr(case.fluid, key) is not None]
+    if len(partly) == 2:
+        raise refuse("fluid", "floated_length", want="level_in_string or floated_length, not both")
+    if partly and not (case.bottom.plugged and not case.side_nozzles):
         want = "a plugged bottom, such as bottom: {kind: free, plugged: true}: an open string fills"
-        raise refuse("fluid", "level_in_string", got=said(case.fluid.level_in_string, "length"), want=want)
+        raise refuse("fluid", partly[0], got=said(getattr(case.fluid, partly[0]), "length"), want=want)
     if case.formation is not None and case.fluid.formulation == "hermite":
         hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
         raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)

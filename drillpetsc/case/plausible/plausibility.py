@@ -6,6 +6,7 @@ import itertools
 import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
+from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.fluid import Bingham, Casson, Newtonian, Rheology
 from drillpetsc.case.blocks.items.tools import ShockSub
 from drillpetsc.case.blocks.well import Survey
@@ -41,6 +42,10 @@ FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
 LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
 THICKEST_MUD = 1.0  # [Pa s] of the viscosity at high shear rates
 THINNEST_PIPE = 0.02  # [m]
+STIFFEST_GEL, SOFTEST_MUD = 100.0, 1e8  # [Pa] of the yield stress (200 lbf/100 ft2), of the bulk modulus
+FASTEST_TRIP = 5.0  # [m/s] of the top
+EARTH = (9.7, 9.9)  # [m/s2]
+FULL_FRICTION = 0.95  # share of friction below which it is reported as rounded
 SMALLEST_PUMP_PRESSURE = 2e4  # [Pa] of a number that was meant as bar or psi
 
 
@@ -67,6 +72,8 @@ def plausibility(case: CaseBlocks) -> list[str]:
         standing_bit,
         _measured,
         _motion,
+        _gravity,
+        _rounded_friction,
     )
     return [line for check in checks for line in check(case)]
 
@@ -173,12 +180,19 @@ def _fluid(case: CaseBlocks) -> list[str]:
     if pressure > LARGEST_PUMP_PRESSURE or 0 < pressure < SMALLEST_PUMP_PRESSURE:
         why = "not a usual pump pressure; bar or psi?"
         out.append(_doubt("fluid.pump_pressure", said(pressure, "pressure", units), why))
+    if f.bulk_modulus < SOFTEST_MUD:
+        why = "softer than any mud; 2 GPa is water"
+        out.append(_doubt("fluid.bulk_modulus", said(f.bulk_modulus, "pressure", units), why))
     for key, rheology in (("rheology", f.rheology), ("annulus_rheology", f.annulus_rheology)):
         viscosity = 0.0 if rheology is None else _viscosity(rheology)
         if viscosity > THICKEST_MUD:
             why = "thicker than any mud" + (f"; {viscosity:g} cP?" if units == "SI" else "")
             value = f"a fluid of {said(viscosity, 'viscosity', units)}"
             out.append(_doubt(f"fluid.{key}", value, why))
+        stress = getattr(rheology, "yield_stress", 0.0)
+        if stress > STIFFEST_GEL:
+            why = "stiffer than any mud that is pumped"
+            out.append(_doubt(f"fluid.{key}.yield_stress", said(stress, "yield_point", units), why))
     return out
 
 
@@ -212,6 +226,13 @@ def _motion(case: CaseBlocks) -> list[str]:
         most = shown(HEAVIEST_BLOCK, "force", units)
         why = f"more than any block with its top drive, {most} at most: is the unit right?"
         out.append(_doubt("rig.block_weight", shown(block, "force", units), why))
+    speed = largest(case.top.lowering)
+    if speed > FASTEST_TRIP:
+        out.append(
+            _doubt("top.lowering", shown(speed, "trip_speed", units), "faster than any hoist; per minute?")
+        )
+    if isinstance(case.bottom, BitBottom) and case.bottom.friction > ROUGHEST:
+        out.append(_doubt("bottom.friction", f"{case.bottom.friction:g}", _rough(case.bottom.friction)))
     rotation = largest(case.top.rotation)
     if rotation > FASTEST_ROTATION:
         meant = (
@@ -222,6 +243,29 @@ def _motion(case: CaseBlocks) -> list[str]:
         why = f"faster than drillstrings turn{meant}"
         out.append(_doubt("top.rotation", f"{rotation * 30 / math.pi:.4g} rpm", why))
     return out
+
+
+def _gravity(case: CaseBlocks) -> list[str]:
+    """Doubts about gravity other than that of the Earth; none and a given direction are wanted."""
+    north, east, down = case.gravity
+    if north or east or not down or EARTH[0] <= down <= EARTH[1]:
+        return []
+    why = "the string falls upward" if down < 0 else "9.81 m/s2 is that of the Earth"
+    return [_doubt("gravity", f"{down:g} m/s2 downward", why)]
+
+
+def _rounded_friction(case: CaseBlocks) -> list[str]:
+    """A doubt where the string slides too slowly for its friction to build up in a run."""
+    if case.contact is None or case.time is None or case.time.mode != "dynamic":
+        return []
+    od = max((item.od or 0.0 for item in case.string), default=0.0)
+    speed = math.hypot(largest(case.top.lowering), largest(case.top.rotation) * od / 2)
+    slip, units = case.contact.slip_velocity, case.shown_units
+    share = speed / math.hypot(speed, slip)
+    if not speed or share >= FULL_FRICTION:
+        return []
+    why = f"a string that slides at {shown(speed, 'creep', units, 3)} has {100 * share:.2g} % of its friction in a run"
+    return [_doubt("contact.slip_velocity", shown(slip, "creep", units, 3), why)]
 
 
 def _rough(friction: float) -> str:

@@ -245,7 +245,10 @@ class StaticNewton:
         asm = self.system.assembly
         v = asm.x[self._slope]
         n = np.linalg.norm(v, axis=1, keepdims=True)
-        return cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
+        with np.errstate(
+            divide="ignore", invalid="ignore"
+        ):  # a slope against its reference: a step that is not taken
+            return cross(v, asm.reference) / (n * (n + np.sum(v * asm.reference, axis=1, keepdims=True)))
 
     def _stiffness(self) -> None:
         """Compute the stiffness at x into the assembly's values.
@@ -491,7 +494,7 @@ class StaticNewton:
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
             f"(last increment {report.increment:.1e} of the fields' scales)",
-            hint="a stronger initial.imperfection or a finer mesh may help",
+            hint="a stronger initial.imperfection, a finer mesh or a softer contact.stiffness may help",
             **self.system.locate_largest_residual(self.t),
         )
 

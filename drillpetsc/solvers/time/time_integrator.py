@@ -40,6 +40,7 @@ DEFAULTS = {
     "ts_error_if_step_fails": 0,  # this module raises an error with place and cure
 }
 TOLERANCE = 1.0e-4  # default of -ts_rtol
+CURE = "check the inputs at this time and place; a smaller -ts_rtol, softer contact or -q_snes_linesearch_type bt may help"
 CONSECUTIVE_FAILURES = 25
 #: factor of Newton's tolerance with multipliers, whose constraint errors are a misfit of the parts
 CONSTRAINT_TOLERANCE_FACTOR = 1.0e-3
@@ -85,6 +86,7 @@ class TimeIntegrator:
     after_step(t, dt): called after every accepted step, with x, y, a of the assembly at ``t`` [s].
     at_jump(t): called when the rate of a prescribed motion jumps, before the step that follows.
     on_failure(): called on all ranks before the error that ends a run.
+    cure: hint of that error.
     before_event(t), after_event(t): called when a component changes its law, with the state at ``t`` [s].
     before_solve(t): called before the solve of a step that ends at ``t`` [s].
     on_step_end(t): called last after a step; here ``get_state`` and ``stop`` may be called.
@@ -111,6 +113,7 @@ class TimeIntegrator:
     at_jump: list[Callable[[float], None]] = field(default_factory=list)
     before_event: list[Callable[[float], None]] = field(default_factory=list)
     on_failure: list[Callable[[], None]] = field(default_factory=list)
+    cure: str = CURE
     after_event: list[Callable[[float], None]] = field(default_factory=list)
     after_sample: list[Callable[[float], None]] = field(default_factory=list)
     before_solve: list[Callable[[float], None]] = field(default_factory=list)
@@ -385,8 +388,7 @@ class TimeIntegrator:
         return SolveError(
             what,
             time=self.ts.getTime(),
-            hint="check the inputs at this time and place; a smaller -ts_rtol, softer "
-            "contact or -q_snes_linesearch_type bt may help",
+            hint=self.cure,
             **place,
         )
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from drillpetsc.analysis.sensitivities.keys import every_key, key_of
-from drillpetsc.case import load_case
+from drillpetsc.case import Case, load_case
 from drillpetsc.errors import CaseError
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -69,3 +69,23 @@ def test_every_key_is_a_continuous_number(case):
     assert {"fluid.density", "string[3].weight", "well.sections[0].friction", "initial.wob"} <= set(names)
     assert len(names) == len(set(names))
     assert not [name for name in names if "element_length" in name or "survey" in name or "mesh" in name]
+
+
+def test_hole_that_goes_on_below_the_bit():
+    """The hole ends at bit_depth, above the end of the survey and of its sections: other keys can still change."""
+    case = Case(
+        well={
+            "survey": {"md": [0, 500, 2200], "inclination": [0, 0, 0.7], "azimuth": [0, 0, 0]},
+            "sections": [
+                {"to": 900, "kind": "casing", "diameter": 0.32, "friction": 0.2},
+                {"to": 2000, "kind": "open_hole", "diameter": 0.31, "friction": 0.3},
+                {"to": 2200, "kind": "open_hole", "diameter": 0.22, "friction": 0.4},
+            ],
+        },
+        string=[{"kind": "pipe", "length": "fill", "od": 0.127, "id": 0.1086}],
+        bit_depth=1800,
+        top={"kind": "top_drive"},
+    )
+    changed = key_of(case, "well.sections[1].friction").changed(case, 0.31)
+    assert [(s.to, s.friction) for s in changed.well.sections] == [(900, 0.2), (1800, 0.31)]
+    assert changed.well.survey.md == case.well.survey.md

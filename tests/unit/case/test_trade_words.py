@@ -45,6 +45,11 @@ def hint(**keys: Any) -> str:
         ({"string": [PIPE | {"kind": "stabiliser"}]}, "'stabilizer'"),
         ({"string": [PIPE | {"kind": "MWD"}]}, "tool, with its od"),
         ({"string": [PIPE | {"kind": 5}]}, ""),
+        ({"string": [PIPE | {"kind": "drill_pipe", "connection": "NC50"}]}, "tool_joint: {connection"),
+        (
+            {"string": [{"kind": "drill_pipe", "length": 9, "od": 0.127, "weight": 29}]},
+            "nominal_weight finds the row",
+        ),
         (
             {"well": WELL | {"sections": [{"to": "end", "kind": "casing", "od": 0.24}]}},
             "in casing, its inner diameter",

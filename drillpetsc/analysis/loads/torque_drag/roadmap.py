@@ -38,8 +38,9 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import (
     bends_left_out,
     cutters_left_out,
     gravity_of,
-    mud_level,
+    mud_in_bore,
     need_well,
+    partly_filled,
 )
 from drillpetsc.analysis.loads.torque_drag.table import (
     OK,
@@ -83,7 +84,7 @@ def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Colum
 def densities_of(case: Case) -> tuple[float, float]:
     """Density of the mud in and around the string [kg/m3], 0 where there is none."""
     density = 0.0 if case.fluid is None else case.fluid.density
-    filled = case.has_bore or mud_level(case) is not None
+    filled = case.has_bore or partly_filled(case)
     return (density if filled else 0.0, density if case.has_annulus else 0.0)
 
 
@@ -177,7 +178,8 @@ def soft_problem(
         [loads[o] for o, _, _ in keys], [d for _, _, d in keys], [pairs[p] for _, p, _ in keys]
     )
     hole = Hole(asked.well, strings, like=like)
-    mud = still_mud(hole, len(keys), densities_of(case), gravity_of(case, "roadmap"), mud_level(case))
+    bores = [mud_in_bore(case, strings[d].depth) for _, _, d in keys]
+    mud = still_mud(hole, bores, densities_of(case), gravity_of(case, "roadmap"))
     found = [flows.get((o, d)) for o, _, d in keys]
     if flows:
         columns, mud = _with_flow(hole, columns, mud, found)

@@ -23,7 +23,7 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import (
     SHORTEST,
     StringRows,
     gravity_of,
-    mud_level,
+    partly_filled,
 )
 from drillpetsc.analysis.loads.torque_drag.table import OK, STATES, failed, neutral_point, said_of
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
@@ -67,8 +67,9 @@ def need_beam(case: Case) -> None:
         raise CaseError(
             at="--model", got="stiff", want="beam: {formulation: ancf}, whose static equilibrium is sought"
         )
-    if mud_level(case) is not None:
-        raise CaseError(at="--model", got="stiff", want="--model soft with fluid.level_in_string")
+    key = partly_filled(case)
+    if key is not None:
+        raise CaseError(at="--model", got="stiff", want=f"--model soft with fluid.{key}")
     if case.contact is None:
         raise CaseError(
             at="--model", got="stiff", want="a case with contact: without it the wall drags nothing"

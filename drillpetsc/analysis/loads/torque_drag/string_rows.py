@@ -108,23 +108,22 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
     """
     try:
         items = string_at(case, depth).items
-        level = mud_level(case)
-        if level:
-            items = _cut(items, level)
+        upper, lower = mud_in_bore(case, depth)
+        for edge in (upper, lower):
+            items = _cut(items, edge)
     except CaseError as error:
         error.at = at
         raise
     g, fluid = gravity_of(case, "the soft string"), case.fluid
     density = 0.0 if fluid is None else fluid.density
-    inside = density if case.has_bore or level is not None else 0.0
     outside = density if case.has_annulus else 0.0
     rows: list[dict[str, float]] = []
     edges, pending, air = [0.0], 0.0, 0.0
     for item in items:
         middle = edges[-1] + 0.5 * item.length
         mass, metal, bore, row = _of(case, item, middle)
-        empty = level is not None and middle < level
-        total = g * (mass + (0.0 if empty else inside * bore) - outside * (metal + bore))
+        inside = density if upper <= middle < lower else 0.0
+        total = g * (mass + inside * bore - outside * (metal + bore))
         air += g * mass
         if item.length < SHORTEST:
             pending += total
@@ -139,17 +138,31 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
     )
 
 
-def mud_level(case: Case) -> float | None:
-    """Measured depth of the mud's surface in the string [m]; None if the string is full, or empty."""
-    return None if case.fluid is None else case.fluid.level_in_string
+def partly_filled(case: Case) -> str | None:
+    """The key of the fluid that says which part of a plugged string holds mud; None if all of the string does, or nothing."""
+    fluid = case.fluid
+    keys = ("level_in_string", "floated_length")
+    return next((key for key in keys if fluid is not None and getattr(fluid, key) is not None), None)
 
 
-def _cut(items: tuple[Item, ...], level: float) -> tuple[Item, ...]:
+def mud_in_bore(case: Case, depth: float) -> tuple[float, float]:
+    """Measured depths [m] between which mud stands in the bore of a string whose lower end is at ``depth``; (0, 0) for none."""
+    fluid = case.fluid
+    if fluid is None:
+        return 0.0, 0.0
+    if fluid.level_in_string is not None:
+        return fluid.level_in_string, np.inf
+    if fluid.floated_length is not None:
+        return 0.0, max(depth - fluid.floated_length, 0.0)
+    return 0.0, (np.inf if case.has_bore else 0.0)
+
+
+def _cut(items: tuple[Item, ...], edge: float) -> tuple[Item, ...]:
     """The items with the one at a measured depth [m] in two pieces; a rigid item stays whole, filled by its middle."""
     out: list[Item] = []
     above = 0.0
     for item in items:
-        upper = level - above
+        upper = edge - above
         if isinstance(item, Flexible) and SHORTEST_PIECE < upper < item.length - SHORTEST_PIECE:
             out += [with_length(item, upper), with_length(item, item.length - upper, upper)]
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -148,17 +149,20 @@ class Pressures:
 
 
 def still_mud(
-    hole: Hole, count: int, densities: tuple[float, float], gravity: float, level: float | None = None
+    hole: Hole, bores: Sequence[tuple[float, float]], densities: tuple[float, float], gravity: float
 ) -> Pressures:
-    """Pressures of still mud inside and outside ``count`` strings.
+    """Pressures of still mud inside and outside strings.
 
-    densities: of both [kg/m3]; level: measured depth of the mud's surface in the strings [m], None: at the rig.
+    bores: measured depths between which mud stands in each string (``mud_in_bore``) [m]; densities: inside, outside [kg/m3].
     """
     depth = np.maximum(np.asarray(hole.well.at(hole.edges)[0])[:, 2], 0.0)
-    surface = 0.0 if not level else float(np.asarray(hole.well.at(np.array([level]))[0])[0, 2])
-    columns = (densities[0] * np.maximum(depth - surface, 0.0), densities[1] * depth)
-    inside, outside = (np.tile((gravity * column)[:, None], (1, count)) for column in columns)
-    return Pressures(inside, outside, np.zeros_like(inside))
+    upper, lower = np.array(bores).T
+    surface = np.where(upper > 0, np.asarray(hole.well.at(upper)[0])[:, 2], 0.0)
+    filled = np.where(hole.edges[:, None] <= lower, np.maximum(depth[:, None] - surface, 0.0), 0.0)
+    inside = gravity * densities[0] * filled
+    return Pressures(
+        inside, np.tile((gravity * densities[1] * depth)[:, None], len(bores)), np.zeros_like(inside)
+    )
 
 
 def stress_and_margin(

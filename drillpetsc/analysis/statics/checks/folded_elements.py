@@ -1,4 +1,4 @@
-"""Elements of the string whose shape runs backwards: solutions of the equations that are no string.
+"""Solutions of the equations that are no string: elements that run backwards, a string that has fallen over.
 
 Manual: sec-statics-sequence.
 """
@@ -11,6 +11,7 @@ from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.parallel import total
 
 
 def backwards(chord: FloatArray, above: FloatArray, below: FloatArray, length: FloatArray) -> np.ndarray:
@@ -57,3 +58,20 @@ def refuse_folded(model: DrillingModel) -> None:
             item=model.case.string[int(mesh.item[first])].name or "",
             hint="an end may be held where the string cannot reach it; a finer mesh there may help",
         )
+
+
+def refuse_fallen(model: DrillingModel) -> None:
+    """Raise SolveError where a string that stands on its bit, and that no wall keeps in its hole, has fallen over; collective.
+
+    Pushed beyond its buckling load it makes a loop: part of it runs up the hole.
+    """
+    if model.bit is None or model.contact is not None:
+        return
+    system = model.system
+    along = np.sum(system.field("string.tangent") * model.tangent[system.chain.vertices], axis=1)
+    if not total(system.comm.tompi4py(), float((along < 0).any())):
+        return
+    raise SolveError(
+        "the string falls over: its buckling load is passed, and nothing holds it across (contact: none)",
+        hint="contact: {} keeps it in its hole; or less weight on bit",
+    )
