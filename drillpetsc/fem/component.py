@@ -84,6 +84,8 @@ class ElementBlock:
     params: (n, p) constants of the elements (kernels.parameters.Parameters); ``named`` has them by name.
     context: address of a record that all elements share, 0 for none; keep: objects that it points to.
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
+    freezes(frozen): called where some of the system's unknowns become fixed or free, with the mask (n, k) of the fixed ones of the
+    elements; None: nobody needs it.
     component: name in messages; the block's name unless given.
     elements: (n,) of a block on vertices: local cells whose distributed loads the rows are, -1: none; None: none at all.
     """
@@ -97,6 +99,7 @@ class ElementBlock:
     params: FloatArray
     context: int = 0
     update: Callable[[float], None] | None = None
+    freezes: Callable[[np.ndarray], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)
     component: str = ""
     elements: IntArray | None = None
