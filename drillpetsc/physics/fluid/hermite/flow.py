@@ -32,6 +32,7 @@ from drillpetsc.time_function import TimeFunction
 VOLUME_SCALE = 1.0e-2  # [m3]
 LEAST_VOLUME = 1e-3  # chamber under a bit on bottom if the case gives less [m3]
 SMALLEST = 1e-4  # chamber that a bit leaves as it goes on below the hole's end [m3]
+HOLE_AT_BIT = "end", "axis", "tangent"  # parameters of the chamber that turn with the hole
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
 
 
@@ -437,7 +438,7 @@ class HermiteBit(BitFlow):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
-        held = self.held_at is not None
+        held, self._part = self.held_at is not None, part
         slots: tuple = () if held else VERTEX_SLOTS
         slots += (("bore.volume", 0),) * self.has_link + (
             ("annulus.volume", 0),
@@ -498,6 +499,22 @@ class HermiteBit(BitFlow):
         if axis is not None and not np.array_equal(axis, p["axis"][0]):
             ahead = float((p["end"][0] - place) @ p["axis"][0])
             p["axis"], p["end"], p["tangent"] = axis, place + axis * ahead, axis
+
+    def get_local_state(self) -> dict[str, FloatArray]:
+        """End and direction of the hole beside the bit, for a checkpoint: (nv, 9), zero except at the bit's node."""
+        if self.annulus is None or self.held_at is not None:
+            return {}
+        nodes = np.zeros((len(self._part.vertices), 9))
+        nodes[self._block.points] = np.hstack([self._block.named[name] for name in HOLE_AT_BIT])
+        return {"vertex": nodes}
+
+    def set_local_state(self, saved: dict[str, FloatArray]) -> None:
+        """Continue from the local part of ``get_local_state``."""
+        if saved and self.annulus is not None and self.held_at is None:
+            for name, part in zip(
+                HOLE_AT_BIT, np.hsplit(saved["vertex"][self._block.points], 3), strict=True
+            ):
+                self._block.named[name] = part
 
     def closed_face(self, state) -> FloatArray:
         """Zero: a bit that goes on into rock that gives way displaces mud with its whole face."""
