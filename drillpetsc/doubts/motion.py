@@ -492,7 +492,7 @@ class UnbalancedVolumes(Doubt):
         "formulation: hermite leaves {percent:.2g} % of the energy exchanged unbalanced, whatever the time steps: "
         "compare with formulation: mixed before you use these results"
     )
-    remedy = "Use `formulation: mixed`. Runs with `hermite` that hoist or lower a string past a change of the size of its hole are concerned most."
+    remedy = "Use `formulation: mixed`."
 
     def look(self, at: End) -> Values:
         fluid, energy = at.case.fluid, at.recorder.energy

@@ -153,10 +153,15 @@ class Assembly(BlockState):
 
         Rows and columns of fixed unknowns become rows and columns of the unit matrix.
         """
+        fixed = np.append(
+            np.zeros(len(self.x), dtype=bool) if mask is None else mask, False
+        )  # -1 selects the appended False
+        for b in self.bound_blocks:
+            if b.block.freezes is not None:
+                b.block.freezes(fixed[b.local])
         if mask is None or not mask.any():
             self._frozen = None
             return
-        fixed = np.append(mask, False)  # dof -1 selects the appended False
         blocks = [(b, held) for b in self.bound_blocks if (held := fixed[b.local]).any()]
         rows, columns = self._places_after_blocks()
         others = fixed[rows] | fixed[columns]

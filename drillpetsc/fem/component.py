@@ -86,6 +86,8 @@ class ElementBlock:
     constants: numbers of the record: records with equal ones are one law; none: unknown.
     linear: names of parameters in which the rows together are linear, without a term that is free of them.
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
+    freezes(frozen): called where some of the system's unknowns become fixed or free, with the mask (n, k) of the fixed ones of the
+    elements; None: nobody needs it.
     component: name in messages; the block's name unless given.
     elements: (n,) of a block on vertices: local cells whose distributed loads the rows are, -1: none; None: none at all.
     """
@@ -99,6 +101,7 @@ class ElementBlock:
     params: FloatArray
     context: int = 0
     update: Callable[[float], None] | None = None
+    freezes: Callable[[np.ndarray], None] | None = None
     keep: tuple[object, ...] = field(default=(), repr=False)
     constants: tuple[Any, ...] = field(default=(), repr=False)
     linear: tuple[str, ...] = ()

@@ -82,7 +82,7 @@ def test_period_and_speed():
 
 
 def test_through_a_case_file(tmp_path):
-    """The same limit cycle from a case file, with the whole string rotating like its top at the start.  See there for the tolerance."""
+    """The same limit cycle from a case file, with the whole string rotating like its top at the start.  See `test_period_and_speed` for the tolerance."""
     path = tmp_path / "stick-slip.yaml"
     path.write_text(
         yaml.safe_dump(

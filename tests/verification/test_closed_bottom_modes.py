@@ -40,7 +40,7 @@ def case(formulation: str, deep: float, flow: float = 0.0, bottom=None, **keys) 
 )
 def test_a_closed_bottom_gives_no_work(formulation, bottom):
     """Mud at rest and an elastic string lose energy or keep it: no mode grows, whatever share of the end's face is closed.
-    The discrete system alone has growing pairs, in which the bottom gives work."""
+    With `mixed` the discrete system alone has growing pairs, in which the bottom gives work; with `hermite` it has none."""
     keys = {"initial": {"wob": 4e3}} if bottom == "bit" else {}
     stands = {"kind": "bit", "stiffness": 4e6, "friction": 0.0} if bottom == "bit" else None
     model = build_model(case(formulation, 100.0, 0.0, stands, **keys))
@@ -49,7 +49,8 @@ def test_a_closed_bottom_gives_no_work(formulation, bottom):
     assert found.frequency.max() > 90.0
     assert found.unstable == 0
     raw = lowest_eigenvalues(linearise(model.system).eigenproblem(reference_rate(model)), 90)
-    assert raw.s.real.max() > 0.5
+    growth = raw.s.real.max()
+    assert growth > 0.5 if formulation == "mixed" else growth < 1e-8
 
 
 def test_the_force_is_that_of_the_face_over_which_mud_is_displaced():

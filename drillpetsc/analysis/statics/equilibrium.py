@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.statics.checks.folded_elements import refuse_fallen, refuse_folded
-from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, surge_rates
+from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, settle_contents, surge_rates
 from drillpetsc.analysis.statics.friction_newton import START_INCREMENT, reach
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
@@ -94,6 +94,7 @@ def director_equilibrium(
         problem.impose(reached)
     refuse_folded(model)
     refuse_fallen(model)
+    settle_contents(model, solver, report)
     _reactions(model, solver)
     model.system.assembly.freeze(None)
     state.warnings += doubts_at(

@@ -40,11 +40,8 @@ def surge_rates(model: DrillingModel, lowering: float) -> FloatArray | None:
 def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> bool:
     """Solve for steady flow and string by Newton's method on all unknowns; collective.
 
-    Returns False, with the state restored, if it does not converge, and for flows of the Hermite formulation,
-    whose chamber is filled from outside.
+    Returns False, with the state restored, if it does not converge.
     """
-    if model.case.given_fluid.formulation != "mixed":
-        return False
     system, start = model.system, Snapshot(model)
     fluid = fluid_unknowns(system)
     for component in system.components:  # the flow's hole is that at the string's present place
@@ -60,6 +57,16 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
         solver.rate_weight = 0.0
         system.assembly.freeze(fluid)
     return True
+
+
+def settle_contents(model: DrillingModel, solver: StaticNewton, report: Equilibrium) -> None:
+    """Let the contents of a Hermite flow answer the string, whose state was found under pressures straight between nodes.
+
+    Collective.  The change is small; where Newton's method does not converge the state stays.
+    """
+    if model.case.fluid is not None and model.case.fluid.formulation == "hermite":
+        _flow_and_string_together(model, solver, report)
+        model.system.assembly.freeze(None)
 
 
 def couple_flow_and_string(
@@ -85,7 +92,9 @@ def couple_flow_and_string(
     if rates is not None:
         solver.rates = rates
         system.assembly.y[:] = rates
-    if _flow_and_string_together(model, solver, report):
+    # the chamber of the Hermite formulation is filled from outside
+    mixed = model.case.given_fluid.formulation == "mixed"
+    if mixed and _flow_and_string_together(model, solver, report):
         return
     x, last, share, size = system.assembly.x[: system.layout.size], np.zeros(0), 1.0, np.inf
     for _ in range(MAX_COUPLING_ROUNDS):

@@ -29,7 +29,7 @@ def test_twins_have_the_parameters_of_their_kernel():
 
 def test_extended_list_keeps_the_columns_of_the_short_one():
     short, long = columns("bit_flow_parameters"), columns("hermite_bit_parameters")
-    assert all(long[name] == short[name] for name in short.names) and long.width == short.width + 4
+    assert all(long[name] == short[name] for name in short.names) and long.width == short.width + 9
 
 
 def test_rows_are_set_and_read_by_name():

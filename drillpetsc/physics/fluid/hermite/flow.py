@@ -25,11 +25,14 @@ from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
+from drillpetsc.physics.fluid.moving_hole import MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
 VOLUME_SCALE = 1.0e-2  # [m3]
-SMALLEST = 1e-4  # chamber under a bit on bottom if the case gives less [m3]
+LEAST_VOLUME = 1e-3  # chamber under a bit on bottom if the case gives less [m3]
+SMALLEST = 1e-4  # chamber that a bit leaves as it goes on below the hole's end [m3]
+HOLE_AT_BIT = "end", "axis", "tangent"  # parameters of the chamber that turn with the hole
 WINDOW = 1.0  # time over which the reference follows a jump of the pump [s]
 
 
@@ -145,6 +148,16 @@ def _taken_up(component: HermiteBore | HermiteAnnulus, wall: FloatArray, pressur
     return component.content * length * 0.5 * (ends[0] + ends[1])
 
 
+def _wait(block: ElementBlock) -> None:
+    """Let the kernel know when the flow's unknowns are fixed and the string's are not."""
+    waits = block.named["waits"]
+
+    def freezes(frozen: np.ndarray) -> None:
+        waits[:] = frozen[:, -1] & ~frozen.all(axis=1)
+
+    block.freezes = freezes
+
+
 class _OneByOne(ChannelFlow):
     """Results after recorded steps, found one by one: pressures and flows are not unknowns in this form, or differ from the mixed form."""
 
@@ -216,11 +229,16 @@ class HermiteBore(_OneByOne, BoreFlow):
             closed=self.closed * (e == len(self.mesh.upper) - 1),
             pumped=0.0,
             kept=self.kept,
+            waits=0.0,
+            open_above=self.bore.area_above[e],
         )
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         self._is_top = bool(len(local_vertices(part, np.array([0]))[1]))
-        return ChannelFlow.blocks(self, part)
+        blocks = ChannelFlow.blocks(self, part)
+        for block in blocks:
+            _wait(block)
+        return blocks
 
     def _update_of(self, block: ElementBlock):
         p = block.named
@@ -278,6 +296,13 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
         self.reference, self._now = Reference(pump), -pump.value(0.0)
         self.content = self.annulus.hole - self.annulus.outer  # (n,) section at rest [m2]
         self.heads = _heads(self.content)
+        self._turned_at: FloatArray | None = (
+            None  # (nv, 3) nodes where the hole is evaluated during a run [m]
+        )
+        m = self.mesh
+        depth, hole = np.append(m.upper - m.rigid_above, m.lower[-1:]), self.annulus.hole
+        #: (n+1, 3) volume of hole that a node passes per length of its way [m2] (kernels/fluid/hermite/hermite_annulus.hpp)
+        self.passed = np.append(hole, hole[-1:])[:, None] * self.well.at(depth)[1]
 
     def fields(self) -> tuple[Field, ...]:
         return _fields(self.name, self.fluid)
@@ -298,10 +323,52 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
             reference_flow=0.0,
             open=e == 0,
             surge=0.0,
-            step=np.diff(self.heads, prepend=0.0)[e],
+            bent=self._bent_on_axis(e),
+            waits=0.0,
+            open_above=(self.annulus.hole_around - self.annulus.outer_above)[e],
+            passed1=self.passed[e],
+            passed2=self.passed[e + 1],
             **self._beside(e, self.well, self.mesh.upper[e]),
-            shoulder=self._shoulders(e, self.annulus.only(e), self.annulus.only(np.maximum(e - 1, 0))),
+            # the element below a shoulder presses on it with the pressure beside itself, not with that above
+            shoulder=self._shoulders(e, self.annulus.only(e), self.annulus.only(np.maximum(e - 1, 0)))
+            - np.diff(self.heads, prepend=0.0)[e] * self.annulus.outer[e],
         )
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        # the outlet's pressure on the annulus is among the rows of the uppermost element
+        blocks = tuple(block for block in super().blocks(part) if block.name != "annulus_top")
+        for block in blocks:
+            _wait(block)
+        return blocks
+
+    def _update_hole(self, state, keep: bool) -> None:
+        self._turned_at = None if not keep or self.held else state.x[state.layout.dofs["string.position"]]
+        super()._update_hole(state, keep)
+
+    def _renew(self, params: Table, rows: np.ndarray, cells: np.ndarray, around: MovingHole) -> None:
+        """Directions only.  During a run the hole between two nodes keeps its length, which is the content's."""
+        nodes, e = self._part.ends[cells], self._part.cells[cells]
+        places = around.places if self._turned_at is None else self._turned_at
+        above, below = (places[end] for end in nodes.T)
+
+        def way() -> FloatArray:
+            lower, upper = params["tangent2"][rows], params["tangent0"][rows]
+            return np.asarray(np.sum(below * lower, axis=1) - np.sum(above * upper, axis=1))
+
+        length = around.depth[nodes[:, 1]] - around.depth[nodes[:, 0]] - self.mesh.rigid_above[e]
+        if self._turned_at is not None:
+            length = params["bent"][rows] + way()
+        super()._renew(params, rows, cells, around)
+        params["bent"][rows] = length - way()
+
+    def direction_at_bit(self) -> FloatArray | None:
+        """(3,) direction of the hole at the lowest node; None on ranks without it."""
+        last = len(self.mesh.upper) - 1
+        for b in self._blocks:
+            rows = np.flatnonzero(self._part.cells[b.points] == last)
+            if len(rows):
+                return np.array(b.named["tangent2"][rows[0]])
+        return None
 
     def _update_of(self, block: ElementBlock):
         others = super()._update_of(block)
@@ -358,8 +425,12 @@ class HermiteBit(BitFlow):
         rest_at: FloatArray,
         held_at: FloatArray | None = None,
     ):
-        super().__init__(node, replace(end, volume=max(end.volume, SMALLEST)), fluid, held_at)
-        self.reference, self.rest_gap = Reference(pump), float((end.end - rest_at) @ end.axis) - end.face
+        self.travel = (max(end.volume, LEAST_VOLUME) - SMALLEST) / end.hole if end.hole else 0.0
+        gap = float((end.end - rest_at) @ end.axis) - end.face
+        axis = np.asarray(end.axis if end.tangent is None else end.tangent)
+        end = replace(end, volume=SMALLEST, axis=axis, end=rest_at + axis * (gap + end.face))
+        super().__init__(node, end, fluid, held_at)
+        self.reference, self.rest_gap, self.annulus = Reference(pump), gap, channels[1]
         self.last_heads = [0.0 if component is None else float(component.heads[-1]) for component in channels]
 
     def fields(self) -> tuple[Field, ...]:
@@ -367,7 +438,7 @@ class HermiteBit(BitFlow):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         _, vertices = local_vertices(part, np.array([self.node]))
-        held = self.held_at is not None
+        held, self._part = self.held_at is not None, part
         slots: tuple = () if held else VERTEX_SLOTS
         slots += (("bore.volume", 0),) * self.has_link + (
             ("annulus.volume", 0),
@@ -387,6 +458,9 @@ class HermiteBit(BitFlow):
             surge=0.0,
             heads_pipe=pipe,
             heads_annulus=annulus,
+            travel=self.travel,
+            waits=0.0,
+            passed=0.0 if self.annulus is None else self.annulus.passed[-1],
         )
         reference, surge, ambient = params["reference_flow"], params["surge"], self._ambient_update(params)
 
@@ -407,7 +481,44 @@ class HermiteBit(BitFlow):
             update=update,
         )
         self._block.keep = (self.fluid,)
+        _wait(self._block)
         return (self._block,)
+
+    def locate_hole(self, state) -> None:
+        self._turn(state)
+
+    def accept(self, t, state) -> None:
+        self._turn(state)
+
+    def _turn(self, state) -> None:
+        """Measure the gap along the hole beside the bit; it does not change when the direction does."""
+        if self.annulus is None or self.held_at is not None or not len(self._block.points):
+            return
+        p, place = self._block.named, state.x[state.index_of(self._block)[0, :3]]
+        axis = self.annulus.direction_at_bit()
+        if axis is not None and not np.array_equal(axis, p["axis"][0]):
+            ahead = float((p["end"][0] - place) @ p["axis"][0])
+            p["axis"], p["end"], p["tangent"] = axis, place + axis * ahead, axis
+
+    def get_local_state(self) -> dict[str, FloatArray]:
+        """End and direction of the hole beside the bit, for a checkpoint: (nv, 9), zero except at the bit's node."""
+        if self.annulus is None or self.held_at is not None:
+            return {}
+        nodes = np.zeros((len(self._part.vertices), 9))
+        nodes[self._block.points] = np.hstack([self._block.named[name] for name in HOLE_AT_BIT])
+        return {"vertex": nodes}
+
+    def set_local_state(self, saved: dict[str, FloatArray]) -> None:
+        """Continue from the local part of ``get_local_state``."""
+        if saved and self.annulus is not None and self.held_at is None:
+            for name, part in zip(
+                HOLE_AT_BIT, np.hsplit(saved["vertex"][self._block.points], 3), strict=True
+            ):
+                self._block.named[name] = part
+
+    def closed_face(self, state) -> FloatArray:
+        """Zero: a bit that goes on into rock that gives way displaces mud with its whole face."""
+        return np.zeros(3)
 
     _moves_in_mud = False  # the kernel places the chamber's mud itself
 
@@ -423,7 +534,8 @@ class HermiteBit(BitFlow):
 
     def _chamber_volume(self, gap: float) -> float:
         """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
-        return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, gap / GAP_ROUNDING))
+        below = (gap + self.travel) / GAP_ROUNDING
+        return self.end.volume + self.end.hole * GAP_ROUNDING * float(np.logaddexp(0.0, below))
 
     def missing_volume(self, state) -> tuple[float, float] | None:
         """Compute volume [m3] and volume rate [m3/s] at zero pressure to add to the annulus' volumes.
@@ -431,22 +543,15 @@ class HermiteBit(BitFlow):
         With the volume the chamber has the annulus' lowest pressure; with the rate it keeps this pressure
         while the bit moves.  Both are zero on ranks without the bit.
         """
-        index, e = state.index_of(self._block), self.end
+        index, e, p = state.index_of(self._block), self.end, self._block.named
         if not self.has_annulus or not len(index):
             return 0.0, 0.0
         gap, widens = self.rest_gap, 0.0
         if self.held_at is None:
-            (r, v), (rate, turn) = (
-                [which[index[0, a : a + 3]] for a in (0, 3)] for which in (state.x, state.y)
-            )
-            size = np.linalg.norm(v)
-            t, t1 = v / size, (turn - v * (v @ turn) / size**2) / size
-            gap = float((e.end - r - t * e.face) @ e.axis)
-            widens = (
-                -e.hole
-                / (1 + np.exp(-np.clip(gap / GAP_ROUNDING, -700.0, 700.0)))
-                * float((rate + t1 * e.face) @ e.axis)
-            )
+            place, velocity = (which[index[0, :3]] for which in (state.x, state.y))
+            gap = float((p["end"][0] - place) @ p["axis"][0]) - e.face
+            below = np.clip((gap + self.travel) / GAP_ROUNDING, -700.0, 700.0)
+            widens = -e.hole / (1 + np.exp(-below)) * float(velocity @ p["axis"][0])
         pressure = state.x[index[0, -1]]
         theta = np.exp(pressure / self.fluid.bulk_modulus) * (1 + pressure * e.elasticity)
         passed = state.x[index[0, -2]] + (state.x[index[0, -3]] if self.has_link else 0.0)
