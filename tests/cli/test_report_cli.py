@@ -25,7 +25,7 @@ from drillpetsc.reporting.units import in_units, texts, unit_of
 from tests.helpers.command import main_succeeds
 
 CASE = """
-title: '<script>alert(1)</script> $x_{ & "quoted" '
+title: '<script>alert(1)</script> $x_{$ & "quoted" '
 units: field
 rig: {datum: RKB, block_weight: 10 klb}
 well:
