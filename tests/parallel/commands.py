@@ -369,7 +369,7 @@ def same_samples(one: Path, other: Path) -> None:
     assert len(a) > 500 and a == b
 
 
-def derivatives(case: str, words: str, ranks: tuple[int, ...] = (2, 3)) -> Row:
+def derivatives(case: str, words: str, ranks: tuple[int, ...]) -> Row:
     return Row(f"sensitivities|--to|{words}", (CASES / case).read_text(), same_derivatives, ranks)
 
 
@@ -380,18 +380,20 @@ SENSITIVITIES = {
         (3,),
     ),
     "derivatives in mud": derivatives(
-        "directional.yaml", "well.sections[0].friction,material.density,fluid.density,initial.wob"
+        "directional.yaml", "well.sections[0].friction,material.density,fluid.density,initial.wob", (2,)
     ),
     "derivatives of a run": derivatives(
         "stick-slip-2000m.yaml",
         "formation.bit_law.static,string[0].od,top.rotation.value,material.density|--analysis|run|--set|time.end=2 s"
         "|--of|surface_torque.mean,bit_speed.max,hook_load.final",
+        (3,),
     ),
-    # a number of samples that 2 and 3 do not divide
+    # a number of samples that the ranks do not divide
     "uncertain": Row(
         "uncertain|--samples|25",
         LIMITS + uncertain.ROADMAP + "uncertain:\n" + uncertain.FRICTION + uncertain.DENSITY + PATH_OF_SURVEY,
         same_samples,
+        (3,),
     ),
 }
 ROWS = FREQUENCY | STATICS | READINGS | CONTROLS | SENSITIVITIES

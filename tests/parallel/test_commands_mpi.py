@@ -13,7 +13,7 @@ from tests.helpers.tables import each_row
 from tests.parallel.commands import DRILLING, LOOP, ROWS, out_folder
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
-GROUPS = 3  # jobs on each number of ranks: tests that workers share
+GROUPS = 2  # jobs on each number of ranks: tests that workers share
 
 
 @pytest.mark.parametrize("group", range(GROUPS))
