@@ -405,39 +405,28 @@ def minimum_curvature(
     max_step: longest piece of an arc [m]; max_angle: largest turn of a piece [rad].
     Returns measured depth (n,) [m], position (n, 3) [m] and tangent (n, 3) of the nodes.
     """
-    nodes = [(md[0], md[0] * tangents[0], tangents[0])]
-    was_straight = False
-    turn = _angle(tangents[:-1], tangents[1:])
-    for s0, s1, t0, t1, b in zip(md[:-1], md[1:], tangents[:-1], tangents[1:], turn, strict=True):
-        x0, ds, straight = nodes[-1][1], s1 - s0, bool(b < STRAIGHT)
-        if straight:
-            if was_straight:  # the interval above belongs to the same straight line
-                nodes.pop()
-            nodes.append((s1, x0 + ds * t0, t1))
-        else:
-            nodes += _arc(s0, s1, x0, t0, t1, b, int(np.ceil(max(ds / max_step, b / max_angle) - 1e-9)))
-        was_straight = straight
-    s, x, t = zip(*nodes, strict=True)
-    return np.array(s), np.array(x), np.array(t)
-
-
-def _arc(
-    s0: float, s1: float, x0: Array, t0: Array, t1: Array, b: float, pieces: int
-) -> list[tuple[float, Array, Array]]:
-    """Cut an arc into equal pieces; returns (md [m], position (3,) [m], tangent (3,)) of their lower ends.
-
-    The arc runs from s0 to s1 [m], starts at x0 (3,) [m], has the end tangents t0 and t1 (3,) and the angle b
-    [rad].
-    """
-    e2 = t1 - np.dot(t0, t1) * t0
-    e2 /= np.linalg.norm(e2)
-    radius, ends = (s1 - s0) / b, []
-    for a in b * np.arange(1, pieces + 1) / pieces:
+    turn, length = _angle(tangents[:-1], tangents[1:]), np.diff(md)
+    straight = turn < STRAIGHT
+    pieces = np.where(straight, 1, np.ceil(np.maximum(length / max_step, turn / max_angle) - 1e-9)).astype(
+        int
+    )
+    arc, last = np.repeat(np.arange(len(pieces)), pieces), np.cumsum(pieces) - 1
+    number = np.arange(1, len(arc) + 1) - (last - pieces + 1)[arc]
+    t0 = tangents[:-1]
+    across = tangents[1:] - np.sum(t0 * tangents[1:], axis=1, keepdims=True) * t0
+    with np.errstate(divide="ignore", invalid="ignore"):  # straight ones, which are replaced
+        e2, radius = across / np.linalg.norm(across, axis=1)[:, None], length / turn
+        a = (turn[arc] * number / pieces[arc])[:, None]
         # 1 - cos = 2 sin^2(half), free of cancellation
-        x = x0 + radius * (np.sin(a) * t0 + 2 * np.sin(a / 2) ** 2 * e2)
-        ends.append((s0 + radius * a, x, np.cos(a) * t0 + np.sin(a) * e2))
-    ends[-1] = (s1, ends[-1][1], t1)  # depth and tangent of the station without rounding
-    return ends
+        along = radius[arc, None] * (np.sin(a) * t0[arc] + 2 * np.sin(a / 2) ** 2 * e2[arc])
+        s, t = md[arc] + radius[arc] * a[:, 0], np.cos(a) * t0[arc] + np.sin(a) * e2[arc]
+    along[last[straight]] = (length[:, None] * t0)[straight]
+    s[last], t[last] = md[1:], tangents[1:]  # depth and tangent of the station without rounding
+    ends = np.cumsum(np.vstack([md[:1, None] * tangents[:1], along[last]]), axis=0)
+    kept = np.full(len(arc), True)
+    kept[last[:-1][straight[:-1] & straight[1:]]] = False  # the intervals belong to the same straight line
+    x = ends[arc] + along
+    return np.r_[md[:1], s[kept]], np.vstack([ends[:1], x[kept]]), np.vstack([tangents[:1], t[kept]])
 
 
 def _check_survey(md: ArrayLike, inclination: ArrayLike, azimuth: ArrayLike) -> tuple[Array, Array]:

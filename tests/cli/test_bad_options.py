@@ -11,7 +11,7 @@ import pytest
 
 from drillpetsc.cli import main
 from drillpetsc.operations import OPERATIONS
-from tests.helpers.command import drillpetsc, in_own_process, succeeds
+from tests.helpers.command import drillpetsc, in_own_process, succeeds, unrendered
 from tests.helpers.mpi import start_mpi
 
 ROOT = Path(__file__).parents[2]
@@ -118,7 +118,9 @@ def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder
         (folder / "still.yaml").write_text(f"{STILL}petsc: {{{option}: 1e-3{accepted}}}\n")
         out = f"{'-'.join((name, *more))}-{number}"
         words = [name, "still.yaml", *more, *COMMANDS[command].replace("OUT", out).split()]
-        assert main(words) == (2 if hint else 0), capsys.readouterr().err
+        with unrendered():
+            status = main(words)
+        assert status == (2 if hint else 0), capsys.readouterr().err
         assert hint in capsys.readouterr().err and bool(list(folder.glob(f"{out}*"))) == (
             not hint and name not in ("check", "freepoint")
         )

@@ -36,7 +36,7 @@ def swept(tmp_path_factory) -> Path:
     """Six members in sweep/, of which the last two have no equilibrium to start from."""
     folder = tmp_path_factory.mktemp("drilling")
     (folder / "short.yaml").write_text(CASE)
-    done = drillpetsc("sweep short.yaml", *WORDS, "--out", "sweep", cwd=folder)
+    done = drillpetsc("sweep short.yaml", *WORDS, "--out", "sweep", cwd=folder, rendered=True)
     assert done.returncode == 1 and "Traceback" not in done.stderr, done.stderr
     assert "4 of 6 members done" in done.stdout and "member 5 failed: initial.wob" in done.stdout
     assert "pictures: trajectory.png, inclination.png, build_rate.png" in done.stdout

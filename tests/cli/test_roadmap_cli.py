@@ -46,9 +46,9 @@ def folder(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("roadmap")
     (path / "well.yaml").write_text(CASE)
     (path / "log.csv").write_text(LOG)
-    done = succeeds("roadmap well.yaml --measured log.csv --out r", cwd=path)
+    done = succeeds("roadmap well.yaml --measured log.csv --out r", cwd=path, rendered=True)
     assert "klbf" in done.stdout and "bit at MD 9000 ft" in done.stdout and "0.25 / 0.3" in done.stdout
-    done = succeeds("calibrate well.yaml --measured log.csv --out c", cwd=path)
+    done = succeeds("calibrate well.yaml --measured log.csv --out c", cwd=path, rendered=True)
     assert "95 % interval" in done.stdout and "correlation" in done.stdout
     return path
 

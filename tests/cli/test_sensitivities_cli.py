@@ -23,7 +23,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("sensitivities")
     (path / "small.yaml").write_text(CASE + "roadmap: {operations: [trip_out, drilling]}\n")
     words = ("--analysis", "roadmap", "--to", TO, "--units", "field", "--check", "2", "--out", "r")
-    done = succeeds("sensitivities", "small.yaml", *words, cwd=path)
+    done = succeeds("sensitivities", "small.yaml", *words, cwd=path, rendered=True)
     (path / "screen").write_text(done.stdout)
     return path
 

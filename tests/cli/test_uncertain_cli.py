@@ -25,7 +25,7 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("uncertain")
     (path / "small.yaml").write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY)
     words = ("--samples", "40", "--method", "both", "--quantiles", "5,95", "--units", "field", "--out", "r")
-    done = succeeds("uncertain", "small.yaml", *words, cwd=path)
+    done = succeeds("uncertain", "small.yaml", *words, cwd=path, rendered=True)
     (path / "screen").write_text(done.stdout)
     return path
 

@@ -6,11 +6,13 @@ import os
 import shlex
 import subprocess
 import sys
-from contextlib import chdir, redirect_stderr, redirect_stdout
-from io import StringIO
+from collections.abc import Iterator
+from contextlib import chdir, contextmanager, nullcontext, redirect_stderr, redirect_stdout
+from io import BytesIO, StringIO
 from pathlib import Path
 from subprocess import CompletedProcess
 
+import pytest
 from petsc4py import PETSc
 
 from drillpetsc.cli.parser import main, split_words
@@ -23,18 +25,41 @@ ENVIRONMENT = {
 }
 
 
-def drillpetsc(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
+@contextmanager
+def unrendered() -> Iterator[None]:
+    """Compose pictures, but do not render them, which takes longer than most commands: their files are empty."""
+    from matplotlib.figure import Figure
+
+    from drillpetsc.plotting.notebook import Picture
+
+    def touched(figure: Figure, file: str | Path | BytesIO, **options: object) -> None:
+        if isinstance(file, str | Path):
+            Path(file).touch()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Picture, "fitted", lambda picture, *place, **more: picture)
+        patch.setattr(Figure, "savefig", touched)
+        yield
+
+
+def drillpetsc(line: object, *more: object, cwd: Path, rendered: bool = False) -> CompletedProcess[str]:
     """Run a command line in the folder ``cwd``, in this process: a start takes longer than most commands.
 
     line: words as in a shell; more: further words, each as it is. PETSc has started already, so its options are set here,
     and are gone afterwards. An exception that the program does not catch is raised.
+    rendered: with pictures that can be looked at.
     """
     words, out, err = _words(line, *more), StringIO(), StringIO()
     database = PETSc.Options()
     before = database.getAll()
     database.insertString(" ".join(split_words(words)[1]))
     try:
-        with chdir(cwd), redirect_stdout(out), redirect_stderr(err):
+        with (
+            nullcontext() if rendered else unrendered(),
+            chdir(cwd),
+            redirect_stdout(out),
+            redirect_stderr(err),
+        ):
             status = main(words)
     except SystemExit as end:  # argparse: --help, or a bad word
         status = int(end.code or 0)
@@ -46,16 +71,17 @@ def drillpetsc(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
     return CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
-def succeeds(line: object, *more: object, cwd: Path) -> CompletedProcess[str]:
+def succeeds(line: object, *more: object, cwd: Path, rendered: bool = False) -> CompletedProcess[str]:
     """The same of a command line that ends with status 0."""
-    done = drillpetsc(line, *more, cwd=cwd)
+    done = drillpetsc(line, *more, cwd=cwd, rendered=rendered)
     assert done.returncode == 0, done.stdout + done.stderr
     return done
 
 
-def main_succeeds(*words: object) -> None:
+def main_succeeds(*words: object, rendered: bool = False) -> None:
     """The words in the present folder, with what they print left to pytest; they end with status 0."""
-    assert main([str(word) for word in words]) == 0
+    with nullcontext() if rendered else unrendered():
+        assert main([str(word) for word in words]) == 0
 
 
 def _words(line: object, *more: object) -> list[str]:

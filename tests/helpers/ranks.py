@@ -12,19 +12,10 @@ from drillpetsc.output import read_table
 from tests.helpers.command import ROOT, drillpetsc
 from tests.helpers.mpi import run_mpi
 
-SCRIPT = Path(__file__).parents[1] / "parallel" / "run_case.py"
+SCRIPT = Path(__file__).parents[1] / "parallel" / "run_cases.py"
 #: PETSc's options of steps that do not hang on the rounding of an estimated error, and of Newton's method to rounding
 FIXED = ["-ts_adapt_type", "none", "-ts_dt", "5e-4", "-q_snes_stol", "1e-12"]
 OTHERWISE = ("energy_error", "newton", "step")  # columns about the computation, not about the string
-
-
-def runs_on_ranks(case: Path, folder: Path, options: list[str], timeout: float = 200) -> list[Path]:
-    """Run folders of the file ``case`` on 1, 2 and 3 ranks with PETSc's ``options``."""
-    folders = [folder / f"ranks{n}" for n in (1, 2, 3)]
-    run_here(case, folders[0], options)
-    for n, out in enumerate(folders[1:], 2):
-        run_mpi(n, SCRIPT, [str(case), str(out), *options], timeout=timeout)
-    return folders
 
 
 def run_here(case: object, out: object, options: Sequence[str]) -> None:
@@ -50,7 +41,7 @@ def all_on_ranks(
                 run_here(file, out, given)
             continue
         (folder / "jobs.json").write_text(json.dumps(rows))
-        run_mpi(n, SCRIPT.with_name("run_cases.py"), [str(folder / "jobs.json")], timeout=timeout)
+        run_mpi(n, SCRIPT, [str(folder / "jobs.json")], timeout=timeout)
     return folders
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +11,30 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.calibration.log_series import LogSeries, scatter_of_rows
-from drillpetsc.analysis.calibration.of_runs import RunCalibration, fit_run, run_of
+from drillpetsc.analysis.calibration.of_runs import RunCalibration, Values, fit_run, run_of
 from drillpetsc.analysis.sensitivities.keys import changed_case, key_of
+from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
+
+
+class NearTruth(RunCalibration):
+    """A calibration whose runs are one run and its derivatives: a fit to noise then costs nothing, and has the same intervals."""
+
+    def __init__(self, run: RunOfCase, log: LogSeries, truth: Mapping[str, float]) -> None:
+        super().__init__(run, log)
+        self.truth, self.names_of_truth = truth, list(truth)
+        self.at_truth = super()._run(dict(truth), tuple(truth), ())
+
+    def _run(self, values: Values, names: tuple[str, ...], more: tuple[str, ...]) -> RunSeries:
+        away = [values.get(name, self.default(name)) - true for name, true in self.truth.items()]
+        some = [self.names_of_truth.index(name) for name in names]
+        about = self.at_truth
+        assert about is not None and not more
+        keys = [about.keys[k] for k in some]
+        return replace(
+            about, values=about.values + about.slopes @ away, slopes=about.slopes[:, :, some], keys=keys
+        )
 
 
 @dataclass(frozen=True)
@@ -48,12 +68,13 @@ class RunTwin:
             Path("twin.csv"), tuple(self.columns), number, time, np.concatenate(noisy), scatter, ()
         )
 
-    def fits(self, seeds: int, share: float, memory: float = 0.0) -> list[Fit]:
-        """Fits of all numbers from the case's values on, one a seed."""
+    def fits(self, whole: int, seeds: int, share: float, memory: float = 0.0) -> list[Fit]:
+        """Fits of all numbers from the case's values on, one a seed; after the first ``whole`` by the run to first order about the truth."""
         clean = self.clean()
-        work = RunCalibration(run_of(self.case, PETSc.COMM_SELF), self.log(clean, share, 0, memory))
+        run, log = run_of(self.case, PETSc.COMM_SELF), self.log(clean, share, 0, memory)
+        works = [RunCalibration(run, log)] * whole + [NearTruth(run, log, self.truth)] * (seeds - whole)
         out = []
-        for seed in range(seeds):
+        for seed, work in enumerate(works):
             work.read(self.log(clean, share, seed, memory))
             out.append(fit_run(work, tuple(self.truth), True, {}))
         return out

@@ -14,7 +14,7 @@ from drillpetsc.analysis.motion.transient import TransientRun, run
 from drillpetsc.case import load_case
 from drillpetsc.fem import end_exchange
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output import recorder
+from drillpetsc.output import read_series, read_table, recorder
 from drillpetsc.output.files import run_writer
 from drillpetsc.solvers.chain import chain_lu
 from drillpetsc.solvers.time.newton import chain_factor
@@ -24,6 +24,30 @@ from tests.helpers.mpi import ROOT
 COMM = PETSc.COMM_WORLD
 CASE = ROOT / "cases" / "benchmark" / "coupled-2000m.yaml"
 SHORT = ["time.end=0.2 s", "string[0].element_length=45 m", "string[1].element_length=33 m"]
+
+
+TWO_ELEMENTS = """
+title: Two elements
+string: [{kind: pipe, length: 20 m, od: 127 mm, id: 108.6 mm, element_length: 10 m}]
+material: {young: 206 GPa, poisson: 0.3, density: 7850 kg/m3}
+top: {kind: top_drive, rotation: {ramp: 2 s, value: 80 rpm}}
+bottom: free
+gravity: 9.81 m/s2
+time: {end: 0.05 s}
+output: {history_every: 0.01 s, field_every: 0.02 s}
+"""
+
+
+def two_elements(folder, patch) -> dict | None:
+    """A run with frames, on ranks without an element: its hook load and torque."""
+    (case := folder.with_suffix(".yaml")).write_text(TWO_ELEMENTS)
+    COMM.barrier()
+    run(case, folder, progress="silent")
+    if COMM.rank:
+        return None
+    assert len(read_series(folder)) == 3
+    history = read_table(folder / "history.csv")
+    return {name: history[name].tolist() for name in ("hook_load [N]", "surface_torque [N m]")}
 
 
 def contacts_apart(folder, patch) -> None:

@@ -16,6 +16,8 @@ import pytest
 import yaml
 
 from drillpetsc.output import read_table
+from tests.cli import test_uncertain_cli as uncertain
+from tests.cli.test_limits_cli import CASE as LIMITS
 from tests.helpers import frequency_models as m
 from tests.helpers import top_drive_models as t
 from tests.helpers.wells import simple_well
@@ -137,16 +139,16 @@ def tool_twists(folder: Path) -> None:
 
 
 FREQUENCY = {
-    "response to unbalance": Row("response|--excite|unbalance|--speeds|60,120 rpm|--stress", ON_THE_WALL, AMPLITUDES),
-    "response to a moving bit": Row("response|--excite|bit|--amplitude|1 mm|--speeds|60,120 rpm|--stress", ON_THE_WALL, AMPLITUDES, (3,)),
+    "response to unbalance": Row("response|--excite|unbalance|--speeds|60,120 rpm|--stress", ON_THE_WALL, AMPLITUDES, (3,)),
+    "response to a moving bit": Row("response|--excite|bit|--amplitude|1 mm|--speeds|60,120 rpm|--stress", ON_THE_WALL, AMPLITUDES, (2,)),
     "response at a place": Row(
         "response|--excite|tool|--amplitude|1 kN m|--speeds|40,75 rpm", TOOL,
-        table("response.csv", "twist_amplitude [rad]", "torque_amplitude [N m]", rel=1e-7, share=1e-9), shows=tool_twists,
+        table("response.csv", "twist_amplitude [rad]", "torque_amplitude [N m]", rel=1e-7, share=1e-9), (3,), tool_twists,
     ),
     "disc": Row("campbell|--speeds|0:600:200 rpm|--count|4|--lines|1", m.disc(), same_branches, (2,), disc_is_critical),
     "critical map": Row(
         "campbell|--speeds|10:150:35 rpm|--count|4|--kind|lateral|--lines|1|--stiffness|1e6,1e9 Pa", shaft(),
-        table("critical_map.csv", "wall_stiffness [Pa]", "critical_rotary_speed [rpm]", rel=1e-6), shows=shaft_is_critical,
+        table("critical_map.csv", "wall_stiffness [Pa]", "critical_rotary_speed [rpm]", rel=1e-6), (2,), shaft_is_critical,
     ),
     "modes refined in viscous mud": Row(
         "modes|--count|2", span(2e-2, 8),
@@ -230,14 +232,14 @@ def from_a_buckled_start(folder: Path) -> None:
 
 STATICS = {
     "sliding path": Row("statics|--path|sliding|--motion|lower", LEVEL, same_path, shows=buckled),
-    "path of slacking off": Row("statics|--path|slack_off|--motion|lower", LEVEL, same_path, shows=buckled),
+    "path of slacking off": Row("statics|--path|slack_off|--motion|lower", LEVEL, same_path, (2,), buckled),
     "turning path": Row(
-        "statics|--path|sliding|--motion|rotate", LEVEL.replace("80 m", "40 m"), same_path, shows=buckled
+        "statics|--path|sliding|--motion|rotate", LEVEL.replace("80 m", "40 m"), same_path, (3,), buckled
     ),
-    "coil that is hoisted": Row("statics|--motion|hoist", COILED, same_slide, shows=from_a_buckled_start),
-    "coil that is lowered": Row("statics|--motion|lower", COILED, same_slide, shows=from_a_buckled_start),
+    "coil that is hoisted": Row("statics|--motion|hoist", COILED, same_slide, (2,), from_a_buckled_start),
+    "coil that is lowered": Row("statics|--motion|lower", COILED, same_slide, (3,), from_a_buckled_start),
     "start of a stuck string": Row(
-        "run|--progress|silent", STUCK, table("history.csv", "hook_load [N]", share=1e-6)
+        "run|--progress|silent", STUCK, table("history.csv", "hook_load [N]", share=1e-6), (3,)
     ),
 }
 
@@ -336,7 +338,62 @@ CONTROLS = {
     ),
     # differences of the outputs, sums in another order
     "linear model in contact": Row(
-        "linearise|--inputs|top.rotation|--outputs|bit_speed,motor_torque,surface_torque", LYING, linear(1e-5)
+        "linearise|--inputs|top.rotation|--outputs|bit_speed,motor_torque,surface_torque",
+        LYING,
+        linear(1e-5),
+        (2,),
     ),
 }
-ROWS = FREQUENCY | STATICS | READINGS | CONTROLS
+
+# ---------------------------------------------------------------------- derivatives and samples
+CASES = Path(__file__).parents[2] / "cases"
+PATH_OF_SURVEY = "  well.survey: {path: {inclination: 0.1 deg, lateral: 0.2 deg, length: 800 m}}\n"
+
+
+def same_derivatives(one: Path, other: Path) -> None:
+    """Relative derivatives agree to 1e-5: those of the residual have a rounding of 1e-7 over a small step."""
+    a, b = (
+        {
+            (row["output"], row["key"]): row["relative"]
+            for row in summary(folder)["sensitivities"]
+            if row["relative"]
+        }
+        for folder in (one, other)
+    )
+    assert len(a) >= 2 and b == pytest.approx(a, rel=0, abs=1e-5)
+
+
+def same_samples(one: Path, other: Path) -> None:
+    """To the last bit."""
+    a, b = ((folder / "uncertain.csv").read_bytes() for folder in (one, other))
+    assert len(a) > 500 and a == b
+
+
+def derivatives(case: str, words: str, ranks: tuple[int, ...]) -> Row:
+    return Row(f"sensitivities|--to|{words}", (CASES / case).read_text(), same_derivatives, ranks)
+
+
+SENSITIVITIES = {
+    "derivatives of hoisting": derivatives(
+        "verification/p16-j-well.yaml",
+        "well.sections[0].friction,string[0].material.density|--motion|hoist",
+        (3,),
+    ),
+    "derivatives in mud": derivatives(
+        "directional.yaml", "well.sections[0].friction,material.density,fluid.density,initial.wob", (2,)
+    ),
+    "derivatives of a run": derivatives(
+        "stick-slip-2000m.yaml",
+        "formation.bit_law.static,string[0].od,top.rotation.value,material.density|--analysis|run|--set|time.end=2 s"
+        "|--of|surface_torque.mean,bit_speed.max,hook_load.final",
+        (3,),
+    ),
+    # a number of samples that the ranks do not divide
+    "uncertain": Row(
+        "uncertain|--samples|25",
+        LIMITS + uncertain.ROADMAP + "uncertain:\n" + uncertain.FRICTION + uncertain.DENSITY + PATH_OF_SURVEY,
+        same_samples,
+        (3,),
+    ),
+}
+ROWS = FREQUENCY | STATICS | READINGS | CONTROLS | SENSITIVITIES

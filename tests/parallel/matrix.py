@@ -16,9 +16,11 @@ import pytest
 import yaml
 
 from drillpetsc.output import read_table
+from drillpetsc.output.sensors.files import read_sensor
 from tests.helpers import whole_string as whole
 from tests.helpers.collar_in_mud import CASE as COLLAR_IN_MUD
 from tests.helpers.ranks import FIXED, OTHERWISE, same_histories
+from tests.parallel import test_sensors_mpi as sensors
 from tests.parallel.test_restart import CASE as WHIRL
 from tests.verification import test_ends as ends
 from tests.verification import test_sampled_law as sampled
@@ -619,7 +621,21 @@ def tools(case: dict, every: float = 4e-3, **row: Any) -> Row:
     )
 
 
+def samples_agree(folders: list[Path], history: Columns) -> None:
+    """All columns within 1e-7 of the largest value of their unit, which the static start leaves; rows at the same times."""
+    for name in sensors.NAMES:
+        one, *others = (read_sensor(folder, name) for folder in folders)
+        for several in others:
+            assert list(one) == list(several)
+            assert np.array_equal(one["time [s]"], several["time [s]"])
+            for title in list(one)[1:]:
+                same = [q for other, q in one.items() if other.partition(" ")[2] == title.partition(" ")[2]]
+                size = max(float(np.abs(same).max()), 1e-3)
+                assert several[title] == pytest.approx(one[title], abs=1e-7 * size), title
+
+
 ROWS |= {
+    "sensors": Row(sensors.CASE, (), share=1.0, least=np.inf, shows=samples_agree),
     "quaternion string in mud with a bit that drills": Row(
         keys_of_scene("quaternion", fluid=MUD, formation=ROCK)
         | {"time": {"end": 0.06}, "output": {"history_every": 0.01, "checkpoint_every": 0.01}},

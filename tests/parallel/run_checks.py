@@ -27,9 +27,10 @@ from tests.parallel.checks_of_runs import (  # noqa: E402
     counts,
     no_rank_holds_the_whole_string,
     steps_together,
+    two_elements,
 )
 
-ON_FOUR = (exchange, totals)
+ON_FOUR = (exchange, totals, two_elements)
 CHECKS = (
     *ON_FOUR, chain_solver, other_integrators, quaternion_string, contacts_apart, counts, steps_together,
     no_rank_holds_the_whole_string,

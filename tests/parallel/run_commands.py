@@ -5,8 +5,11 @@ import sys
 from pathlib import Path
 
 from drillpetsc.cli import main
+from tests.helpers.command import unrendered
 
 for words in json.loads(Path(sys.argv[1]).read_text()):
-    if status := main(words):
+    with unrendered():
+        status = main(words)
+    if status:
         print(f"status {status} of: {' '.join(words)}", file=sys.stderr)
         raise SystemExit(status)

@@ -43,6 +43,14 @@ def test_checks_hold(ranks):
     assert set(report(ranks)) == {check.__name__ for check in (CHECKS if ranks < 4 else ON_FOUR)}
 
 
+@each_row("ranks", (2, 3, 4))
+def test_ranks_without_an_element(ranks):
+    """Two elements: hook load [N] and torque [N m] are those of one rank, to rounding."""
+    one, other = report(1)["two_elements"], report(ranks)["two_elements"]
+    for name, values in one.items():
+        assert np.allclose(other[name], values, rtol=1e-9, atol=1e-9)
+
+
 @each_row("ranks", RANKS[1:])
 def test_other_integrators_are_the_same(ranks):
     """Equal steps, systems solved to rounding: position [m] and spin [rad] of the lower end equal to 1e-10."""

@@ -14,6 +14,7 @@ import pytest
 
 from drillpetsc.output import read_table
 from tests.helpers.mpi import ROOT, run_mpi, start_mpi
+from tests.helpers.ranks import run_here
 from tests.helpers.restarts import files
 from tests.parallel.test_restart import CASE
 
@@ -48,13 +49,21 @@ def wait_for_rows(file: Path, rows: int, job) -> None:
     raise AssertionError(f"no {rows} rows in {file}: {job.communicate()}")
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> Path:
+    """The run on two ranks that nothing stops."""
+    folder = tmp_path_factory.mktemp("whole")
+    (folder / "case.yaml").write_text(LONG)
+    run_mpi(2, RUN, [str(folder / "case.yaml"), str(folder / "run")], timeout=200)
+    return folder / "run"
+
+
 @pytest.mark.parallel
 @pytest.mark.parametrize("reached", [0, 1])
-def test_a_signal_to_one_of_two_ranks_stops_both_and_the_restart_is_identical(reached, tmp_path):
+def test_a_signal_to_one_of_two_ranks_stops_both_and_the_restart_is_identical(reached, whole, tmp_path):
     """SIGTERM to one rank alone: both stop at the same step, with a checkpoint; restarted on 2 ranks, every
     file is identical."""
     (tmp_path / "case.yaml").write_text(LONG)
-    run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "whole")], timeout=200)
     job = start_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped")])
     wait_for_rows(tmp_path / "stopped" / "history.csv", 10, job)
     ranks = rank_processes(job)
@@ -64,9 +73,9 @@ def test_a_signal_to_one_of_two_ranks_stops_both_and_the_restart_is_identical(re
     assert job.returncode == 1 and err.count("stopped by SIGTERM") == 1, err
     assert json.loads((tmp_path / "stopped" / "summary.json").read_text())["interrupted"]
     run_mpi(2, RUN, [str(tmp_path / "case.yaml"), str(tmp_path / "stopped"), "--restart"], timeout=200)
-    whole = files(tmp_path / "whole")
+    expected = files(whole)
     for name, content in files(tmp_path / "stopped").items():
-        assert content == whole[name], name
+        assert content == expected[name], name
 
 
 @pytest.mark.parallel
@@ -91,15 +100,11 @@ def test_a_restart_on_another_number_of_ranks_gives_the_same(steps, tolerance, t
     for name, end in (("half", "0.3 s"), ("case", "0.5 s")):
         (tmp_path / f"{name}.yaml").write_text(text.replace("time: {end: 1 s}", f"time: {{end: {end}}}"))
     exact = ["-q_snes_stol", "1e-12", *steps]
-    run_mpi(1, RUN, [str(tmp_path / "half.yaml"), str(tmp_path / "ranks1"), *exact])
+    run_here(tmp_path / "half.yaml", tmp_path / "ranks1", exact)
     shutil.copytree(tmp_path / "ranks1", tmp_path / "ranks2")
-    for n in (1, 2):
-        run_mpi(
-            n,
-            RUN,
-            [str(tmp_path / "case.yaml"), str(tmp_path / f"ranks{n}"), "--restart", *exact],
-            timeout=200,
-        )
+    run_here(tmp_path / "case.yaml", tmp_path / "ranks1", ["--restart", *exact])
+    words = [str(tmp_path / "case.yaml"), str(tmp_path / "ranks2"), "--restart", *exact]
+    run_mpi(2, RUN, words, timeout=200)
     one, two = (read_table(tmp_path / f"ranks{n}" / "history.csv") for n in (1, 2))
     assert one["time [s]"][-1] == 0.5
     for column, values in one.items():

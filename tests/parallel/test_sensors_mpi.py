@@ -1,4 +1,4 @@
-"""Samples of sensors on several ranks, and after a signal between two checkpoints."""
+"""Samples of sensors after a signal between two checkpoints; `matrix.py` has them on several ranks."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ import os
 import signal
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from drillpetsc import load_case, run
 from drillpetsc.errors import Interrupted
-from drillpetsc.output.sensors.files import read_sensor
 from drillpetsc.output.sensors.sensors import Sensors
-from tests.helpers.mpi import ROOT, run_mpi
 
-RUN = ROOT / "tests" / "parallel" / "run_case.py"
 CASE = """
 string:
   - {kind: pipe, name: upper, length: 2 m, od: 127 mm, id: 108.6 mm, element_length: 0.5 m}
@@ -51,23 +47,6 @@ def whole(tmp_path_factory) -> Path:
     (folder / "case.yaml").write_text(CASE)
     run(folder / "case.yaml", folder / "whole", progress="silent")
     return folder / "whole"
-
-
-@pytest.mark.parallel
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_samples_do_not_depend_on_the_ranks(whole, ranks, tmp_path):
-    """All columns within 1e-7 of the largest value of their unit, which the static start leaves; rows at the same times."""
-    run_mpi(ranks, RUN, [str(whole.parent / "case.yaml"), str(tmp_path / "r")])
-    for name in NAMES:
-        one, several = read_sensor(whole, name), read_sensor(tmp_path / "r", name)
-        assert list(one) == list(several)
-        assert np.array_equal(one["time [s]"], several["time [s]"])
-        for title in list(one)[1:]:
-            same = [
-                values for other, values in one.items() if other.partition(" ")[2] == title.partition(" ")[2]
-            ]
-            size = max(float(np.abs(same).max()), 1e-3)
-            assert several[title] == pytest.approx(one[title], abs=1e-7 * size), title
 
 
 @pytest.mark.parametrize("at", [0.04, 0.17, 0.23])

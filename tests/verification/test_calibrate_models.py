@@ -65,16 +65,16 @@ def test_beam_in_place_of_the_soft_string():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("model", "seeds", "depths"), [("soft", 20, twin.DEPTHS), ("stiff", 3, (500.0, 1500.0, 2390.0))]
+    ("model", "seeds", "depths"), [("soft", 20, twin.DEPTHS), ("stiff", 1, (500.0, 1500.0, 2390.0))]
 )
 def test_twin(model, seeds, depths):
     """Five parameters: nearly all intervals hold the truth; nearly none would if errors were twice as large as the intervals say.
 
-    Of independent intervals 95 % hold; of 100, fewer than 88 do with a probability of 0.4 %, of 15 fewer than 11 with 0.1 %."""
+    Of independent intervals 95 % hold; of 100, fewer than 88 do with a probability of 0.4 %, of 5 fewer than 3 with 0.1 %."""
     ratio = twin.Twin(model, depths).errors(range(seeds))
     held = (np.abs(ratio) <= 1).mean()
-    assert held >= (0.88 if model == "soft" else 0.73)
-    assert np.abs(ratio).mean() == pytest.approx(0.40, abs=0.1 if model == "soft" else 0.2)
+    assert held >= (0.88 if model == "soft" else 0.6)
+    assert np.abs(ratio).mean() == pytest.approx(0.40, abs=0.1 if model == "soft" else 0.3)
 
 
 OPEN = ("cased", "open_hole"), (1200, 1400, 1520)  # 20 m of open hole

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
 
 from energy_fuzz import judged, moving_case
 
-SEED, NUMBERS, CHUNK = 11, 28, 7
+SEED, NUMBERS, CHUNK = 11, 14, 7
 
 
 @pytest.mark.parametrize("first", range(0, NUMBERS, CHUNK))

@@ -231,7 +231,7 @@ def test_a_run_starts_from_the_end_of_a_path(tmp_path) -> None:
 
 @pytest.mark.parametrize(
     ("path", "bit", "mesh"),
-    [("sliding", "cuts", 5.0), ("sliding", "stands", "auto"), ("slack_off", "stands", 5.0)],
+    [("sliding", "cuts", "auto"), ("slack_off", "stands", 5.0)],
 )
 def test_a_wet_string_in_a_curved_hole_is_pushed(path, bit, mesh, tmp_path) -> None:
     """A string that must be pushed into its hole is buckled before its bit stands on the bottom: the weight on bit is

@@ -36,15 +36,14 @@ def held_string(length: float, inclination: float, bottom: str) -> Case:
     )
 
 
-@pytest.mark.parametrize("bottom", ["clamped", "pinned"])
-def test_a_long_string_coils_between_its_ends(bottom):
+def test_a_long_string_coils_between_its_ends():
     """Hook load of a vertical string between held ends, by the stretch of its weight and the shortening of its helix.
 
     Its length is unchanged: the integral of F/EA over the string is that of the shortening r^2 |F|/4EI over the helix
     (Lubinski, Althouse and Logan 1962).  The upper end of the helix where it snakes shortens a little less: 1 %.
     """
     length = 1800.0  # the lowest element is as long as the string stretches by its weight
-    model = build_model(held_string(length, 0.0, bottom))
+    model = build_model(held_string(length, 0.0, "clamped"))
     state = find_equilibrium(model)
     weight = WEIGHT * length
 

@@ -160,7 +160,7 @@ uncertain:
   well.sections[0].friction: {normal: [0.25, 0.01]}
 """
     (tmp_path / "case.yaml").write_text(text)
-    words = ["uncertain", str(tmp_path / "case.yaml"), "--out", str(tmp_path / "out"), "--samples", "60"]
+    words = ["uncertain", str(tmp_path / "case.yaml"), "--out", str(tmp_path / "out"), "--samples", "30"]
     main_succeeds(*words)
     said = capsys.readouterr().out
     assert "well.survey" in said and "well.sections[0].friction 9" in said
@@ -168,7 +168,7 @@ uncertain:
     assert [q["key"] for q in keys] == ["well.survey", "well.sections[0].friction"]
     assert "WARNING" not in said
     (tmp_path / "case.yaml").write_text(text.replace("length: 200 m", "length: 30 m"))
-    main_succeeds(*words[:-1], "200", "--overwrite")
+    main_succeeds(*words[:-1], "160", "--overwrite")
     # the slope of a Gaussian process is sd / length: 0.2 deg sqrt(2) in 30 m
     assert "doglegs of 0.283 deg/30m (rms)" in capsys.readouterr().out
     assert main([*words[:-1], "20", "--overwrite"]) == 2

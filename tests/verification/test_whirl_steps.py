@@ -120,7 +120,7 @@ def test_only_steps_that_it_shortens_count_as_limited(monkeypatch):
 
 
 @pytest.mark.parametrize("integrator", ["auto", "bdf"])
-@pytest.mark.parametrize("rpm", [30.0, 45.0, 60.0])
+@pytest.mark.parametrize("rpm", [30.0, 60.0])
 @pytest.mark.parametrize("length", [14.0, 40.0])
 def test_orbits_of_an_eccentric_collar(length, rpm, integrator, tmp_path):
     """At the default tolerance every row of the orbit of a hinged collar is within 1 %, below its critical speed (118 rpm) and

@@ -268,6 +268,7 @@ class TransientRun:
             raise
         finally:
             result = self._close(error)
+        integrator.close()  # PETSc's solver holds the run by its callbacks, where Python's collector does not see it
         return RunResult(self.folder.path, result)
 
     def _warn(self, warnings: list[str]) -> None:

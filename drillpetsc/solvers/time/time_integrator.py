@@ -605,6 +605,8 @@ class TimeIntegrator:
     def close(self) -> None:
         """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""
         self.ts.destroy()
+        if self.condensed:
+            self._matrix.destroy()
         for vector in (self.state, self._f, self._zero):
             vector.destroy()
 

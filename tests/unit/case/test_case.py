@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from drillpetsc.case import Case, load_case
@@ -280,41 +278,3 @@ def test_cases_and_errors_travel_between_ranks() -> None:
     )
     assert str(failure) == "diverged\n  where:   time 1.5 s, component contact, element 3, at MD 27 m"
     assert failure.exit_status == 1
-
-
-anything = st.recursive(
-    st.none()
-    | st.booleans()
-    | st.integers()
-    | st.floats()
-    | st.text(max_size=6)
-    | st.sampled_from(["1 m", "none", "bit"]),
-    lambda inner: (
-        st.lists(inner, max_size=3)
-        | st.dictionaries(st.sampled_from(["kind", "time", "value", "at", "from", "md"]), inner, max_size=3)
-    ),
-    max_leaves=6,
-)
-
-
-@settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-@given(st.sampled_from(list(Case.model_fields)), anything)
-def test_nonsense_is_a_case_or_a_case_error(key: str, value: Any) -> None:
-    try:
-        assert isinstance(Case(**{"string": [PIPE], "top": "clamped", key: value}), Case)
-    except CaseError as error:
-        assert error.want and str(error)
-
-
-@settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-@given(st.sampled_from(["pipe", "beam", "stabilizer", "body", "bit"]), st.data())
-def test_nonsense_in_an_item_is_a_case_or_a_case_error(kind: str, data: st.DataObject) -> None:
-    keys = [
-        "length", "od", "id", "mass", "material", "inertia", "bend", "center_of_gravity", "initial",
-        "friction", "name",
-    ]  # fmt: skip
-    item = {"kind": kind, **data.draw(st.dictionaries(st.sampled_from(keys), anything, max_size=3))}
-    try:
-        assert isinstance(simple(string=[PIPE, item]), Case)
-    except CaseError as error:
-        assert error.want and str(error)

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.case import Case, load_case
@@ -346,19 +344,3 @@ def test_described_in_words() -> None:
     assert "quasi-static" in has and "inertia" not in has and "inertia" in lacks
     has, lacks = describe(make_case(formation=None, time={"end": 60})).split("leaves out")
     assert "bit cutting rock" in lacks and "inertia" in has and "quasi-static" not in has
-
-
-anything = (
-    st.none() | st.booleans() | st.floats() | st.text(max_size=6)
-    | st.sampled_from(["1 m", "rop", "drag_bit", [1], {"kind": "rop"}, {"dip": 1}, [{"from": 1}], [{"from": 1, "to": 2}, {"from": 2}]])
-)  # fmt: skip
-
-
-@settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-@given(st.dictionaries(st.sampled_from(list(Formation.model_fields)), anything, max_size=3))
-def test_nonsense_is_a_case_or_a_case_error(keys: dict[str, Any]) -> None:
-    try:
-        assert isinstance(make_case(formation=keys), Case)
-    except CaseError as error:
-        assert error.want and str(error)
-        assert "Value error" not in error.want

@@ -4,8 +4,6 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.fluid import Casson, Fluid, flow_constants
@@ -217,21 +215,3 @@ def test_refused(keys: dict[str, Any], at: str) -> None:
 def test_a_plugged_string_of_a_dry_scene_is_no_mistake() -> None:
     """The same case with and without its fluid, as a sweep varies it."""
     assert Case(string=[PIPE], top="clamped", bottom={"kind": "pinned", "plugged": True}).bottom.plugged
-
-
-anything = (
-    st.none()
-    | st.booleans()
-    | st.floats()
-    | st.text(max_size=6)
-    | st.sampled_from(["1 m", "none", [1], {"ramp": 1}])
-)
-
-
-@settings(max_examples=300, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-@given(st.dictionaries(st.sampled_from(list(Fluid.model_fields)), anything, max_size=3))
-def test_nonsense_is_a_case_or_a_case_error(keys: dict[str, Any]) -> None:
-    try:
-        assert isinstance(make_case(well=WELL, fluid={**WATER, **keys}), Case)
-    except CaseError as error:
-        assert error.want and str(error)

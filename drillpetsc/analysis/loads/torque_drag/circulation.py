@@ -49,11 +49,25 @@ def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0
     speed: of the string along the hole [m/s], positive down; without a pump the pipe is open, unless its bottom is plugged.
     Raises CaseError without mud or a bore, SolveError where there is no steady flow.
     """
-    if case.fluid is None or (flow and not case.has_bore):
-        raise CaseError(at=at, got=f"{flow:g} m3/s", want="a fluid in the bore, through which it flows")
+    _need_mud(case, flow, at)
     model = flow_of_row(case, depth, flow, speed)
     model.solve(flow, speed)
     return forces_of(model, speed)
+
+
+def circulations(case: Case, depth: float, flows: FloatArray, at: str) -> tuple[Circulation, ...]:
+    """The same of flow rates (r,) above 0 [m3/s] through a string that stands still: one model, which costs more than its solutions."""
+    _need_mud(case, float(flows[0]), at)
+    model, out = flow_of_row(case, depth, float(flows[0]), 0.0), []
+    for flow in flows:
+        model.solve(float(flow))
+        out.append(forces_of(model, 0.0))
+    return tuple(out)
+
+
+def _need_mud(case: Case, flow: float, at: str) -> None:
+    if case.fluid is None or (flow and not case.has_bore):
+        raise CaseError(at=at, got=f"{flow:g} m3/s", want="a fluid in the bore, through which it flows")
 
 
 def flow_of_row(

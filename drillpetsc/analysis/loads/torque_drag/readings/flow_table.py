@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
+from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulations
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 
@@ -55,5 +55,5 @@ def flow_table(case: Case, depths: FloatArray, rates: FloatArray, spacing: float
     some = np.unique(np.linspace(low, high, 2 if high < NARROW * low else 3))
     count = max(int(np.ceil(np.ptp(depths) / spacing)), 1)
     places = np.unique(np.linspace(depths.min(), depths.max(), count + 1))
-    found = tuple(tuple(circulation(case, float(d), float(q), at) for q in some) for d in places)
+    found = tuple(circulations(case, float(d), some, at) for d in places)
     return FlowTable(places, some, found)
