@@ -209,7 +209,14 @@ def test_stick_slip(tmp_path):
     Euler parameters are interpolated linearly: the twist of an element (12 rad over 20 elements here) must be
     well below pi.
     """
-    reference, other = both("study-stick-slip.yaml", tmp_path, lambda data: data["time"].update(end="6 s"))
+
+    def change(data):
+        data["time"].update(end="6 s")
+        data["petsc"] = {
+            "ts_rtol": "1e-5"
+        }  # at the default the time of breaking loose scatters with the steps
+
+    reference, other = both("study-stick-slip.yaml", tmp_path, change)
     for column, off in (("bit_speed [rad/s]", 0.02), ("surface_torque [N m]", 0.01), ("wob [N]", 0.01)):
         assert rms(reference, other, column) < off, column
     assert other["summary"]["new_hole"]["drilled [m]"] == pytest.approx(

@@ -39,7 +39,7 @@ DP_RECORD(PartsCall, const void* rows; const void* entries; const void* factor; 
 // power.  contacts, flags, flags_before: see above; the last are those of the factorisation.  lag_shift: shift of the factorisation.
 // switching: contacts of any rank may open or close.  secants: null without acceleration.  first, last: sizes of the first and the last step of this
 // solve; last_left: of what the pairs left of the last increment; theta: contraction of the steps; slowest: of the error, as estimated.
-// renewed: iteration that renewed the contacts last.
+// renewed: iteration that renewed the contacts last.  astray: a solve has failed with secants, and is repeated without them.
 // kept (3, length of x): null, or gets x, y, a of each whole matrix, which serves after the solve if it goes on from there by the fraction `near`
 // of its first increment at most; beyond: size of the first increment after it, infinite if it is of another
 // solve or was renewed in its contacts.
@@ -51,7 +51,7 @@ DP_RECORD(NewtonCall,
     double* q; double* rows; double* increment; const double* scale; const int* forces; const int* power_rows; const int* power_rates; signed char* flags_before; double* kept;
     double lag_shift, shift_change, contraction, tolerance, spacing, rounding, finest, work_limit, overshoot, shortest, eta, last, slowest, last_left, first, theta, beyond, near, seconds[4];
     int n, nodes, force_count, power_count, contact_count, flag_count, line_search, max_iterations, lag_iterations, contact_iterations;
-    int good, factored, current, contacts_apart, rows_known, switching, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
+    int good, factored, current, contacts_apart, rows_known, switching, astray, iterations, renewed, evaluations, jacobians, contact_updates, factorisations;
 )
 
 enum Phase { RESIDUAL, JACOBIAN, FACTOR, SOLVE };
@@ -80,7 +80,7 @@ DP_EXPORT_RECORD(reason_call, ReasonCall)
 DP_EXPORT_RECORD(parts_call, PartsCall)
 DP_EXPORT_RECORD(secant_call, SecantCall)
 DP_EXPORT_RECORD(newton_call, NewtonCall)
-DP_CONSTANT(secant_vectors, 2 + 2 * SECANTS)
+DP_CONSTANT(secant_vectors, 3 + 2 * SECANTS)
 
 extern "C" {
 int chain_factor(int, int, int, const void*, double*, const int*, const int*, const int*, const int*, const int*, const int*, const int*,
@@ -340,6 +340,9 @@ bool leaves_work(const NewtonCall& c, double size) {
     return std::fabs(power) > c.work_limit;
 }
 
+// Whether steps of this solve are accelerated.
+bool secants_help(const NewtonCall& c) { return c.secants && !c.astray; }
+
 // least ratio of two estimates of the contraction of the same factors
 constexpr double FALL = 0.3;
 
@@ -358,17 +361,17 @@ int judge(NewtonCall& c, const double* plain, const double* left) {
     if (found[0] > 0.0) return r.not_a_number;
     if (c.iterations > 1 && c.last > 0.0) {
         c.theta = size / c.last;
+        const double of_factors = c.last_left > 0.0 ? found[2] / c.last_left : c.theta;
         if (c.theta >= 2.0 && c.iterations > 4 && size > c.first) return r.diverging;
-        if (c.theta > 0.5 && size < c.rounding) return r.converged;
+        if (c.theta > 0.5 && of_factors > 0.5 && size < c.rounding) return r.converged;
         // two steps alone look converged where secants take the whole increment for known: the factors must reduce what was left, too
-        double worst = c.theta;
-        if (c.last_left > 0.0 && found[2] / c.last_left > worst) worst = found[2] / c.last_left;
+        double worst = of_factors > c.theta ? of_factors : c.theta;
         // one fast direction may hide slow ones: the estimate falls no faster than this (as in CVODE)
         if (worst < FALL * c.slowest) worst = FALL * c.slowest;
         c.slowest = worst;
         eta = worst < 1.0 ? worst / (1.0 - worst) : 10.0;
         // the next solve begins without secants, and with factors that are as old as those of this one's first two steps
-        if (!c.secants || (c.iterations == 2 && c.secants->count == 2)) c.eta = eta;
+        if (!secants_help(c) || (c.iterations == 2 && c.secants->count == 2)) c.eta = eta;
     }
     if (c.iterations == 1) c.first = size;
     if (c.beyond == UNKNOWN) c.beyond = size;
@@ -403,13 +406,13 @@ void accelerate(NewtonCall& c) {
 
 // A step from the increment of the factors, and the rows after it.
 Outcome advance(NewtonCall& c) {
-    if (c.secants) accelerate(c);
+    if (secants_help(c)) accelerate(c);
     // along the negative step: the solution of the factors is subtracted
     take_step(c.n, c.increment, c.q);
     const double before = c.line_search ? work(c) : 0.0;
     Outcome reached = residual(c);
     if (reached == DONE && c.line_search) reached = shorten(c, before);
-    if (c.secants) Secants(*c.secants).keep(c.increment);
+    if (secants_help(c)) Secants(*c.secants).keep(c.increment);
     return reached;
 }
 
@@ -425,9 +428,13 @@ void newton_columns(const NewtonCall* call, int columns, const double* b, double
 // The tests of the iteration for another solver: after its increment, its rows and its unknowns in the record; reason to end, 0 to go on.
 int newton_judge(NewtonCall* call, int iteration) {
     call->iterations = iteration;
-    if (iteration) return judge(*call, call->increment, call->increment);
+    if (iteration) {
+        call->astray = 1;  // its steps have no secants
+        return judge(*call, call->increment, call->increment);
+    }
     call->theta = 0.0;
     call->slowest = call->eta / (1.0 + call->eta);
+    call->astray = 0;
     call->renewed = 0;
     return anywhere(*call, !finite_sum(call->n, call->rows)) ? call->reasons->not_a_number : 0;
 }
@@ -458,6 +465,26 @@ int newton_is_near(NewtonCall* call) {
     return !anywhere(c, !near || flags_changed(c));
 }
 
+}
+
+namespace {
+
+// Iterates from the unknowns and their rows; reason to end.
+int iterate(NewtonCall& c) {
+    for (;;) {
+        Outcome ended = prepare(c);
+        if (ended == DONE) ended = solve(c);
+        if (ended == DONE) ended = advance(c);
+        if (ended != DONE) return reason_of(c, ended);
+        c.iterations++;
+        const double *plain = secants_help(c) ? c.secants->memory : c.increment, *left = secants_help(c) ? plain + c.n : plain;
+        if (const int reason = judge(c, plain, left)) return reason;
+    }
+}
+
+}  // namespace
+
+extern "C" {
 // Iterates from the unknowns in the assembly's x; returns the reason to end.
 int newton_solve(NewtonCall* call) {
     NewtonCall& c = *call;
@@ -471,15 +498,16 @@ int newton_solve(NewtonCall* call) {
     }
     if (ended != DONE) return reason_of(c, ended);
     if (const int reason = newton_judge(call, 0)) return reason;
-    if (c.secants) c.secants->count = 0;
-    for (;;) {
-        ended = prepare(c);
-        if (ended == DONE) ended = solve(c);
-        if (ended == DONE) ended = advance(c);
-        if (ended != DONE) return reason_of(c, ended);
-        c.iterations++;
-        const double *plain = c.secants ? c.secants->memory : c.increment, *left = c.secants ? plain + c.n : plain;
-        if (const int reason = judge(c, plain, left)) return reason;
-    }
+    if (c.secants) Secants(*c.secants).begin(c.q);
+    const int reason = iterate(c);
+    if ((reason != c.reasons->diverging && reason != c.reasons->too_many) || !c.secants || !c.secants->used) return reason;
+    // secants may lead astray: once more without them
+    std::memcpy(c.q, Secants(*c.secants).start(), c.n * sizeof(double));
+    ended = residual(c);
+    if (ended != DONE) return reason_of(c, ended);
+    newton_judge(call, 0);
+    c.iterations = c.good = 0;
+    c.astray = 1;
+    return iterate(c);
 }
 }

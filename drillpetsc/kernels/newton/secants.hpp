@@ -15,15 +15,22 @@ constexpr int SECANTS = 2;
 // products of the pairs with each other and with an increment
 constexpr int SECANT_PRODUCTS = SECANTS * (SECANTS + 3) / 2;
 
-// memory (2 + 2 SECANTS, n): last increment of the factors; what the pairs leave of it; steps; changes of the increment.  weights (n): of the
-// squares of what is left.  count: increments of this factorisation.
-DP_RECORD(SecantCall, double* memory; const double* weights; int n, count;)
+// memory (3 + 2 SECANTS, n): last increment of the factors; what the pairs leave of it; steps; changes of the increment; unknowns at the beginning.
+// weights (n): of the squares of what is left.  count: increments of this factorisation; used: pairs have changed an increment of this solve.
+DP_RECORD(SecantCall, double* memory; const double* weights; int n, count, used;)
 
 class Secants {
 public:
     explicit Secants(SecantCall& call) : call(call), n(call.n), last(call.memory), steps(call.memory + 2 * n), changes(steps + SECANTS * n) {}
 
     double* left() { return call.memory + n; }
+    double* start() { return changes + SECANTS * n; }
+
+    // Notes where a solve begins.
+    void begin(const double* unknowns) {
+        call.count = call.used = 0;
+        std::memcpy(start(), unknowns, n * sizeof(double));
+    }
 
     // Takes an increment of the factors, which is to be subtracted.  Fills the products of the pairs, to be summed over the ranks; returns their
     // number: none at the first increment of a factorisation.
@@ -46,6 +53,7 @@ public:
     // The increment from the summed products: the point along the steps at which least is left, and then what is left there
     // (manual: eq-time-secants).
     void accelerate(const double* products, double* increment) {
+        call.used = 1;
         double share[SECANTS];
         shares(products, share);
         for (int a = 0; a < SECANTS && a < call.count - 1; ++a) {
