@@ -70,7 +70,7 @@ def test_published_numbers():
 
 def test_period_and_speed():
     """From rest, untwisted: period, slip and stick times and largest speed within 2 % (manual:
-    verif-stick-slip-one-mode).  At a finite speed of the law the stick time is 4.11 s; at the default tolerance it scatters from 4.10 to 4.15 s
+    verif-stick-slip-one-mode).  At a finite speed of the law the stick time is 4.11 s; at the default tolerance it scatters from 4.10 to 4.14 s
     with the steps."""
     model = straight(**case())
     model.system.set_field("string.spin", np.array([[TURNING], [0.0]]), "y")
