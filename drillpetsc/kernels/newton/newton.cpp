@@ -280,6 +280,7 @@ Outcome renew_contacts(NewtonCall& c) {
     const Outcome factored = first < c.nodes || c.parts->factor ? factor(c, first) : DONE;
     if (factored != DONE) return factored;
     keep_flags(c);
+    c.slowest = 0.0;
     c.beyond = INFINITY;
     c.contact_updates++;
     c.renewed = c.iterations;
@@ -291,6 +292,7 @@ void begin_factorisation(NewtonCall& c) {
     c.jacobians++;
     c.lag_shift = c.step->sigma;
     c.good = c.current = 1;
+    c.slowest = 0.0;
     keep_flags(c);
     c.eta = c.eta > 1.0 ? 1.0 : std::pow(c.eta > 1e-10 ? c.eta : 1e-10, 0.8);
 }
@@ -320,7 +322,6 @@ Outcome jacobian(NewtonCall& c) {
 Outcome prepare(NewtonCall& c) {
     if (reusable(c)) return DONE;
     if (c.secants) c.secants->count = 0;
-    c.slowest = 0.0;
     Outcome reached;
     if (contacts_suffice(c)) {
         reached = renew_contacts(c);
