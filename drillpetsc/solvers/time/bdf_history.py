@@ -10,8 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from petsc4py import PETSc
 
+from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 
 State = tuple[FloatArray, FloatArray]  # unknowns x and rates y (array_length,) of an assembly
@@ -28,6 +31,7 @@ class BdfHistory:
     states: unknowns and rates at these times.
     half: state in the middle of the first step.  TSBDF computes it at each start, and uses it until it has
     enough other states.
+    replayed: recorded states that the solver still returns, while a restarted run steps through the record.
     """
 
     depth: int
@@ -35,6 +39,7 @@ class BdfHistory:
     steps: list[float] = field(default_factory=list)
     states: list[State] = field(default_factory=list)
     half: State | None = None
+    replayed: list[State] = field(default_factory=list)
     _stages: list[State] = field(default_factory=list)
 
     def start(self, t: float, x: FloatArray, y: FloatArray) -> None:
@@ -102,6 +107,42 @@ class BdfHistory:
         ]
         self.states, last = states[: len(self.times)], states[len(self.times) :]
         self.half, self._stages = (last[0] if last else None), []
+
+    def replay(self, ts: PETSc.TS, system: DiscreteSystem, solution: PETSc.Vec) -> None:
+        """Rebuild the history of TSBDF: repeat each recorded step, with the recorded state as its solution.
+
+        ts: must neither reject nor shorten a step; its solver calls ``return_state`` while ``replayed`` has states.
+        solution: vector in which the formula keeps its state. The assembly then contains the last one.
+
+        Manual: sec-time-restart.
+        """
+        _put(self.states[0], system, solution)
+        ts.setSolution(solution)
+        ts.setTime(self.times[0])
+        ts.restartStep()
+        for k, step in enumerate(self.steps):
+            self.replayed = [self.states[k + 1]] if k else [self.half or self.states[0], self.states[1]]
+            ts.setTimeStep(step)
+            with petsc_compat.own_errors():
+                ts.step()
+        self.replayed = []
+        if ts.getTime() != self.times[-1]:
+            raise SolveError(
+                f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {self.times[-1]!r} s"
+            )
+        system.assembly.x[:], system.assembly.y[:] = self.states[-1]
+
+    def return_state(self, system: DiscreteSystem, snes: PETSc.SNES, x: PETSc.Vec) -> None:
+        """Return the next recorded state as the solution of the step."""
+        _put(self.replayed.pop(0), system, x)
+        snes.setIterationNumber(1)
+        snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
+
+
+def _put(state: State, system: DiscreteSystem, vector: PETSc.Vec) -> None:
+    """Copy unknowns and rates into the assembly and the vector."""
+    system.assembly.x[:], system.assembly.y[:] = state
+    system.store_state(vector)
 
 
 def nodal(system: DiscreteSystem, values: FloatArray) -> FloatArray:

@@ -94,7 +94,7 @@ class GeneralizedAlpha(TimeIntegrator):
         self._mud_masked, self._next_step, self._earlier_error = False, 0.0, 1.0
         self._restored: dict[str, FloatArray] | None = None
         self._frozen: list[float] | None = None
-        self._replayed, self.history, self.estimate = None, BdfHistory(0), None
+        self.history, self.estimate = BdfHistory(0), None
         system = self.system
         self.state = system.new_state()
         self.work: ResidualWork | None = None

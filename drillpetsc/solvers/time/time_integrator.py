@@ -21,7 +21,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.parallel import total
 from drillpetsc.solvers.petsc_options import refused_by_petsc
-from drillpetsc.solvers.time.bdf_history import BdfHistory, State
+from drillpetsc.solvers.time.bdf_history import BdfHistory
 from drillpetsc.solvers.time.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.time.local_error import BdfOutputErrors, OutputErrors
 from drillpetsc.solvers.time.newton import CondensedNewton
@@ -169,8 +169,6 @@ class TimeIntegrator:
             0.0,
             0.0,
         )
-        # recorded states that ``solve`` returns while a restarted run steps through its history
-        self._replayed: list[State] | None = None
         self._restored: dict[str, FloatArray] | None = None
         self.work: ResidualWork | None = None  # limit of the work that Newton's residual leaves
         self.estimate: Any = None  # of the local errors: has get_state and set_state
@@ -294,8 +292,8 @@ class TimeIntegrator:
         The condensed Newton method computes the unknowns; the rates follow from them.
         Raises SolveError after too many consecutive failures.
         """
-        if self._replayed is not None:
-            self._return_recorded_state(snes, x)
+        if self.history.replayed:  # a restarted run steps through its history
+            self.history.return_state(self.system, snes, x)
             return
         # PETSc's time formula gives rate and shift only to these callbacks (see _catch_rate and _catch_shift)
         snes.computeFunction(x, self._f)
@@ -665,49 +663,19 @@ class TimeIntegrator:
 
         Manual: sec-time-restart.
         """
-        ts, system, history = self.ts, self.system, self.history
+        ts, history = self.ts, self.history
         assert self._restored is not None
-        masked = system.new_state()
+        masked = self.system.new_state()
         masked.set(MASKED)
         ts.setTolerances(rtol=self._zero, atol=masked)  # no step is rejected
         ts.setMaxTime(MASKED)  # no step is shortened
-        self._put(history.states[0])
-        system.store_state(self.state)
-        ts.setSolution(self.state)
-        ts.setTime(history.times[0])
-        ts.restartStep()
         self.fresh = not history.steps
-        for k, step in enumerate(history.steps):
-            self._replayed = (
-                [history.states[k + 1]] if k else [history.half or history.states[0], history.states[1]]
-            )
-            ts.setTimeStep(step)
-            with petsc_compat.own_errors():
-                ts.step()
-        self._replayed = None
-        if ts.getTime() != history.times[-1]:
-            raise SolveError(
-                f"the history of the checkpoint leads to {ts.getTime()!r} s, not to {history.times[-1]!r} s"
-            )
-        self._put(history.states[-1])
+        history.replay(ts, self.system, self.state)
         ts.setTimeStep(self._next_step)
         self._set_tolerances(self._mud_masked)
         # the kept Jacobian too: a restarted run repeats the uninterrupted one to the last bit (manual: sec-time-restart)
         self.newton.set_state(self._restored)
         self._restored = None
-
-    def _return_recorded_state(self, snes, x) -> None:
-        """Return the next recorded state as the solution of the step."""
-        assert self._replayed
-        self._put(self._replayed.pop(0))
-        self.system.store_state(x)
-        snes.setIterationNumber(1)
-        snes.setConvergedReason(PETSc.SNES.ConvergedReason.CONVERGED_ITS)
-
-    def _put(self, state: State) -> None:
-        """Copy unknowns and rates into the assembly."""
-        asm = self.system.assembly
-        asm.x[:], asm.y[:] = state
 
     def _discard_factor(self) -> None:
         """Discard earlier factorisations, so that a restarted run takes the same steps as an uninterrupted one."""
