@@ -10,6 +10,7 @@ import os
 import platform
 import shutil
 import sys
+import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import RunFolder
+from drillpetsc.output.progress import duration
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.studies.convergence.plan import (
     DEFAULT_CURVES,
@@ -161,6 +163,7 @@ def run_study(
     reference = find_reference(runs, request.name, points, request.reference, _times(runs), exact)
     report(f"reference: {reference.description if reference is not None else 'all runs failed'}")
     measured = []
+    began = clock.perf_counter()
     for number, point in enumerate(points, 1):
         made = measure(runs.base, point, folder, request.repeats, request.limit, run, request.restart)
         measured.append(made)
@@ -169,7 +172,9 @@ def run_study(
             if made.done
             else f"failed: {made.message}"
         )
-        report(f"[{number}/{len(points)}] {point.curve} {point.label}: {cost}")
+        left = (clock.perf_counter() - began) / number * (len(points) - number)
+        eta = f"  ETA {duration(left)}" if left else ""
+        report(f"[{number}/{len(points)}] {point.curve} {point.label}: {cost}{eta}")
     return _result(runs, request, measured, reference)
 
 
