@@ -50,6 +50,7 @@ KINDS = {
     "plain system": {"snes_type": "newtonls"},
     "generalised alpha": {"ts_type": "alpha2"},
     "generalised alpha with fixed steps": {"ts_type": "alpha2", "ts_adapt_type": "none", "ts_dt": 1e-3},
+    "hermite mud": {"ts_type": "alpha2"},
 }
 
 
@@ -58,7 +59,8 @@ def test_a_run_restarted_from_any_checkpoint_is_bit_identical(kind, tmp_path, mo
     """Every file, from checkpoints in the start of the formula, at full order, at a bend, after a jump, and
     at the end."""
     options(**KINDS[kind])
-    (tmp_path / "case.yaml").write_text(CASE)
+    text = CASE.replace("fluid: {", "fluid: {formulation: hermite, ") if kind.startswith("hermite") else CASE
+    (tmp_path / "case.yaml").write_text(text)
     copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
     assert len(copies) >= 8
     whole = files(tmp_path / "run")
