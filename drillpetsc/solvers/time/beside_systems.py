@@ -67,13 +67,15 @@ class BesideSystems:
         """Find the elements whose rows the parameters change, after components have changed theirs."""
         parts = [part for group in self.groups for part in _parts_of(group)]
         ours = {b.block.name: (i, b) for i, b in enumerate(self.system.assembly.calls.blocks)}
+        pairs = zip(self.system.assembly.bound_blocks, self.system.component_of, strict=True)
+        opens = {b.block.name for b, component in pairs if component.has_contact}
         self._kept, self._updates = [], []
         self.moved[:] = 0
         for call, (k, beside), changed in zip(self.calls, self._every, parts, strict=True):
             asm, (still, moved) = beside.system.assembly, (list[Part](), list[Part]())
             for part in changed:
                 i, b = ours.get(part.block.block.name, (0, part.block))
-                moves = bool(b.block.context) and b is not part.block and _correspond(b, part.block)
+                moves = part.block.block.name in opens and b is not part.block and _correspond(b, part.block)
                 (moved if moves else still).append(part)
                 self.moved[i, k] |= moves
             ends = _end_parts(asm)
@@ -179,7 +181,8 @@ def _correspond(a: BoundBlock, b: BoundBlock) -> bool:
 def _changed(blocks: Sequence[BoundBlock], weights: Sequence[float]) -> list[Part]:
     """Parts of corresponding blocks for ``_parts_of``: of each, of the first one, or none."""
     first, count = blocks[0].block, blocks[0].count
-    if any(b.block.update for b in blocks) or (first.context and not _equal(blocks)):
+    changes = any(b.block.update or b.block.remembers for b in blocks)
+    if changes or (first.context and not _equal(blocks)):
         return [_part(b, 0, count) for b in blocks]
     differs = np.zeros(first.params.shape, dtype=bool)
     for b in blocks[1:]:
