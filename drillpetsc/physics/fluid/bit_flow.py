@@ -216,7 +216,8 @@ class BitFlow(Component):
 
     def accept(self, t, state) -> None:
         """Update the hole to the bit's position after an accepted step."""
-        self._lift(state)
+        if self._leader is None:  # energies beside a run are nobody's
+            self._lift(state)
         self._update_hole(state, True)
 
     def _lift(self, state) -> None:

@@ -23,12 +23,16 @@ _beside_states = function("beside_states", "ippipppip")
 
 
 class Part(NamedTuple):
-    """Elements of a block from ``first`` to ``last``, which is not included.  params: theirs, (n, p)."""
+    """Elements of a block from ``first`` to ``last``, which is not included.
+
+    params: theirs, (n, p); others: those of the other systems of the parameter: rows are the same where these are; none: unknown.
+    """
 
     block: BoundBlock
     first: int
     last: int
     params: FloatArray
+    others: tuple[FloatArray, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -92,11 +96,12 @@ class BesideSystems:
         """Address and number of records of parts; moved: those that are evaluated at moved positions."""
         parts = [*still, *moved]
         calls = (_PartCall * len(parts))()
-        for i, (call, (b, first, last, params)) in enumerate(zip(calls, parts, strict=True)):
-            index = b.index[first:last]
+        for i, (call, (b, first, last, params, others)) in enumerate(zip(calls, parts, strict=True)):
+            index, at = b.index[first:last], (ctypes.c_void_p * max(1, len(others)))(*map(pointer, others))
+            call.others, call.other_count, call.size = ctypes.addressof(at), len(others), params.size
             call.residual, call.record, call.count = b.residual_at, b.block.context, last - first
             call.index, call.parameters, call.moved = pointer(index), pointer(params), i >= len(still)
-            self._kept += [index, params]
+            self._kept += [index, params, at]
         self._kept.append(calls)
         return ctypes.addressof(calls), len(parts)
 
@@ -181,9 +186,10 @@ def _correspond(a: BoundBlock, b: BoundBlock) -> bool:
 def _changed(blocks: Sequence[BoundBlock], weights: Sequence[float]) -> list[Part]:
     """Parts of corresponding blocks for ``_parts_of``: of each, of the first one, or none."""
     first, count = blocks[0].block, blocks[0].count
-    changes = any(b.block.update or b.block.remembers for b in blocks)
-    if changes or (first.context and not _equal(blocks)):
+    if first.context and not _equal(blocks):
         return [_part(b, 0, count) for b in blocks]
+    if any(b.block.update or b.block.remembers for b in blocks):
+        return [Part(b, 0, count, b.block.params, tuple(q.block.params for q in blocks)) for b in blocks]
     differs = np.zeros(first.params.shape, dtype=bool)
     for b in blocks[1:]:
         differs |= ~((b.block.params == first.params) | (np.isnan(b.block.params) & np.isnan(first.params)))

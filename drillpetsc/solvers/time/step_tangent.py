@@ -80,7 +80,8 @@ class StepTangent:
         asm, (k, length) = self.system.assembly, self.x.shape
         calls, owned = asm.calls, len(self.system.layout.local_of_owned)
         widest = max(
-            (b.count * b.width**2 for b in calls.blocks if not _product_of(b.block.kernel)), default=0
+            (b.count * b.width**2 + 4 * b.width for b in calls.blocks if not _product_of(b.block.kernel)),
+            default=0,
         )
         self._along, self._by_rate, self._by_second, self._rows = (np.zeros((k, length)) for _ in range(4))
         self._constants_at = pointer(self._by_rate), pointer(self._by_second)
