@@ -88,6 +88,7 @@ class ElementBlock:
     update(t): refreshes time-dependent parameters before an evaluation at time ``t`` [s].
     freezes(frozen): called where some of the system's unknowns become fixed or free, with the mask (n, k) of the fixed ones of the
     elements; None: nobody needs it.
+    remembers: the parameters change after accepted steps as well.
     component: name in messages; the block's name unless given.
     elements: (n,) of a block on vertices: local cells whose distributed loads the rows are, -1: none; None: none at all.
     """
@@ -105,6 +106,7 @@ class ElementBlock:
     keep: tuple[object, ...] = field(default=(), repr=False)
     constants: tuple[Any, ...] = field(default=(), repr=False)
     linear: tuple[str, ...] = ()
+    remembers: bool = False
     component: str = ""
     elements: IntArray | None = None
     _named: Table | None = field(default=None, init=False, repr=False, compare=False)
@@ -366,6 +368,12 @@ class Component:
 
     def apply_update(self, total: FloatArray) -> None:
         """Apply the sum of ``local_update`` over all ranks."""
+
+    def follow(self, leader: Component) -> None:
+        """Renew in ``accept`` what ``leader`` has renewed after the same step, neither more nor less.
+
+        leader: the same component of a run; this one is of a system beside it.
+        """
 
     def get_state(self) -> dict[str, FloatArray]:
         """History variables for a checkpoint, the same on all ranks; empty without any."""

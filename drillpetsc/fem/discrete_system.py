@@ -304,6 +304,12 @@ class DiscreteSystem:
                 change = component.local_update(asm)
                 component.apply_update(change if self._serial else total(self.comm, change))
 
+    def follow(self, leader: DiscreteSystem) -> None:
+        """Renew in ``accept`` what ``leader`` has renewed: the system of a run, beside which this one is."""
+        theirs = {component.name: component for component in leader.components}
+        for component in self._remembering:
+            component.follow(theirs[component.name])
+
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
 

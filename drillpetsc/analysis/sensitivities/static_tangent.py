@@ -10,6 +10,7 @@ import numpy as np
 
 from drillpetsc.analysis.sensitivities.points import Point, difference
 from drillpetsc.analysis.statics.equilibrium import set_weight_on_bit
+from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.placement import (
     place_along_hole,
     prescribed_motion,
@@ -17,6 +18,7 @@ from drillpetsc.analysis.statics.placement import (
     top_depth,
 )
 from drillpetsc.analysis.statics.static_problem import StaticState
+from drillpetsc.analysis.statics.steady_flow import STORAGE_WEIGHT
 from drillpetsc.analysis.statics.top_on_wall import ACROSS, hold_where_it_lies
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -67,6 +69,9 @@ class StaticTangent:
         """Equations of a model at the state, with the friction of its motion."""
         self._oppose(model)
         solver = StaticNewton(model.system, symmetric=model.conservative)
+        if model.fluid is not None:  # string and flow together, as their state was found
+            solver.rate_weight = STORAGE_WEIGHT
+            solver.rates = surge_rates(model, prescribed_motion(model)[0] if self.motion is None else 0.0)
         if model.case.initial.wob is not None:
             set_weight_on_bit(model, solver, model.case.initial.wob)
         return solver

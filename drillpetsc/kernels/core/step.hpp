@@ -42,9 +42,10 @@ DP_RECORD(JacobianCall,
 )
 
 // Elements of a block in a system beside a run: entry point of its residual and the arguments without the state.  moved: evaluated at positions
-// moved along the guess, in which contacts open and close less than at those of the run.
+// moved along the guess, in which contacts open and close less than at those of the run.  others: the parameters, of a `size`, of this part in
+// the other systems of the key, none where rows differ by more than these.
 DP_RECORD(PartCall,
-    const void* residual; const int* index; const double* parameters; const void* record; int count, moved;
+    const void* residual; const int* index; const double* parameters; const void* record; const void* others; int count, moved, other_count, size;
 )
 
 // A system beside a run, in which the parameter `key` is changed by `change`; weight: in the derivative by it.  parts: of the blocks that the

@@ -1,6 +1,7 @@
 // Derivatives of a step by parameters: right sides, rates, and the states of systems beside the run (manual: sec-sensitivities-steps).
 #include <cstring>
 
+#include "core/ad.hpp"
 #include "core/frame.hpp"
 #include "core/step.hpp"
 
@@ -16,6 +17,8 @@ namespace {
 typedef void (*Residual)(int, const int*, const double*, void*, const double*, const double*, const double*, double*);
 typedef void (*Jacobian)(int, const int*, const int*, const double*, void*, const double*, const double*, const double*, const double*, const double*, double*);
 typedef void (*Product)(int, const int*, const double*, void*, const double*, const double*, const double*, int, int, const signed char*, const double*, const double*, const double*, double*);
+
+typedef V4 Unaligned __attribute__((aligned(8)));
 
 void add_parts(int n, const PartCall* parts, const double* x, const double* y, const double* a, double* r) {
     for (int k = 0; k < n; ++k) {
@@ -51,17 +54,28 @@ void add_product(const TangentCall& c, const MatrixCall& b, const double* weight
     reinterpret_cast<Jacobian>(const_cast<void*>(b.jacobian))(b.count, b.index, b.nodes, b.parameters, const_cast<void*>(b.record), weights, no_spin,
                                                               c.x, c.y, c.a, c.element);
     const int w = b.width;
+    Unaligned* along = reinterpret_cast<Unaligned*>(c.element + (long)b.count * w * w);
     for (int e = 0; e < b.count; ++e) {
         const int* at = b.index + (long)e * w;
         const double* K = c.element + (long)e * w * w;
-        for (int k = 0; k < c.keys; ++k) {
-            if (chosen && !chosen[k]) continue;
-            const double* q = d + (long)k * c.length;
-            double* rows = c.rows + (long)k * c.length;
+        for (int k = 0; k < c.keys; k += 4) {  // four keys side by side
+            double* rows[4];
+            const double* q[4];
+            const int here = c.keys - k < 4 ? c.keys - k : 4;
+            bool any = false;
+            for (int l = 0; l < 4; ++l) {
+                const long of = (long)(k + (l < here ? l : 0)) * c.length;
+                q[l] = d + of;
+                rows[l] = l < here && (!chosen || chosen[k + l]) ? c.rows + of : nullptr;
+                any |= rows[l] != nullptr;
+            }
+            if (!any) continue;
+            for (int j = 0; j < w; ++j) along[j] = V4{q[0][at[j]], q[1][at[j]], q[2][at[j]], q[3][at[j]]};
             for (int i = 0; i < w; ++i) {
-                double sum = 0.0;
-                for (int j = 0; j < w; ++j) sum += K[i * w + j] * q[at[j]];
-                rows[at[i]] += sum;
+                V4 sum = splat(0.0);
+                for (int j = 0; j < w; ++j) sum += splat(K[i * w + j]) * along[j];
+                for (int l = 0; l < here; ++l)
+                    if (rows[l]) rows[l][at[i]] += sum[l];
             }
         }
     }
@@ -186,6 +200,13 @@ void add_prescribed(const TangentCall& c) {
     }
 }
 
+// Whether the parameters of a part are the same in all systems of a key, so that their rows have no derivative.
+bool same_everywhere(const PartCall& p) {
+    for (int i = 0; i < p.other_count; ++i)
+        if (std::memcmp(p.parameters, static_cast<const double* const*>(p.others)[i], sizeof(double) * p.size)) return false;
+    return p.other_count > 0;
+}
+
 void add_besides(const TangentCall& c) {
     const StepCall& s = *c.step;
     for (int b = 0; b < c.besides; ++b) {
@@ -195,7 +216,8 @@ void add_besides(const TangentCall& c) {
         for (int i = q.first; i < q.last; ++i) r[i] = 0.0;
         const double* along = c.along + (long)q.key * c.length;
         for (int i = q.low; i < q.high; ++i) x[i] = s.x[i] - q.change * along[i];
-        for (int p = 0; p < q.part_count; ++p) add_parts(1, q.parts + p, q.parts[p].moved ? x : s.x, s.y, s.a, r);
+        for (int p = 0; p < q.part_count; ++p)
+            if (!same_everywhere(q.parts[p])) add_parts(1, q.parts + p, q.parts[p].moved ? x : s.x, s.y, s.a, r);
         for (int i = q.first; i < q.last; ++i) rows[i] += q.weight * r[i];
     }
 }

@@ -87,6 +87,10 @@ class AnnulusFlow(ChannelFlow):
             self.annulus.outer_diameter,
             self.annulus.hole_diameter,
         )  # (n,) diameters [m] to which ``lateral`` belongs
+        self._resized = np.zeros(
+            len(self._hole), dtype=bool
+        )  # at the last evaluation of the hole around elements
+        self._leader: AnnulusFlow | None = None
 
     def _directions(self, well: Well, upper: FloatArray, lower: FloatArray) -> dict[str, FloatArray]:
         """Points of the axis [m] and tangents (k, 3) at both ends, at measured depths (k,) [m], and curvature (k, 3) in the
@@ -207,6 +211,8 @@ class AnnulusFlow(ChannelFlow):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         elements = super().blocks(part)
+        for b in elements:
+            b.remembers = self.moving_hole is not None
         if self.lateral.swirl.any() and not self.held:
             across_joint = self.mesh.is_joint & (self.mesh.rigid_above == 0)
             self._swirl = Swirl(np.where(across_joint, 0.0, self.lateral.swirl)[part.cells])
@@ -260,6 +266,7 @@ class AnnulusFlow(ChannelFlow):
             (),
             params.array,
             context=self.fluid.address,
+            constants=self.fluid.constants,
             update=None if self.held else update,
         )
         valve.keep = (self.fluid,)
@@ -284,6 +291,14 @@ class AnnulusFlow(ChannelFlow):
         if self._swirl is not None:
             self._swirl.stop()
         self._update_hole(state, False)
+
+    def follow(self, leader: Component) -> None:
+        assert isinstance(leader, AnnulusFlow)
+        self._leader = leader
+        if self.moving_hole is not None:
+            self.moving_hole.leader = leader.moving_hole
+        if self._swirl is not None:
+            self._swirl.leader = leader._swirl
 
     def settle(self, t, state) -> None:
         """Set the swirl of the mud to its steady value for the present spins."""
@@ -375,6 +390,9 @@ class AnnulusFlow(ChannelFlow):
         )
         params["shoulder"][rows] = self._shoulders(e, own, other)
         new = np.abs(own.hole_diameter - self._hole[e]) > OTHER_SIZE * self._hole[e]
+        if self._leader is not None:
+            new = self._leader._resized[e]
+        self._resized[e] = new
         if new.any():
             s = around.lateral(own.only(new))
             self._hole[e[new]] = own.hole_diameter[new]

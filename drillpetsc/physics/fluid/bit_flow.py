@@ -106,6 +106,8 @@ class BitFlow(Component):
         self._depth: float | None = None  # measured depth of the node at the last evaluation of the hole [m]
         self._well: Well | None = None  # that hole
         self._size = end.hole  # area of the hole to which the added mass belongs [m2]
+        self._resized = False  # at the last evaluation of the hole
+        self._leader: BitFlow | None = None
 
     def fields(self) -> tuple[Field, ...]:
         return (
@@ -181,6 +183,8 @@ class BitFlow(Component):
             params.array,
             context=self.fluid.address,
             update=update,
+            constants=self.fluid.constants,
+            remembers=self._moves_in_mud,
         )
         self._block.keep = (self.fluid,)
         return (self._block,)
@@ -206,9 +210,14 @@ class BitFlow(Component):
             middle = p["end"][0] - 0.5 * max(0.0, self._gap(p, x)) * p["axis"][0]
             p["lift"] = -self.fluid.density * p["reference"] * float(self.fluid.gravity @ middle)
 
+    def follow(self, leader: Component) -> None:
+        assert isinstance(leader, BitFlow)
+        self._leader = leader
+
     def accept(self, t, state) -> None:
         """Update the hole to the bit's position after an accepted step."""
-        self._lift(state)
+        if self._leader is None:  # energies beside a run are nobody's
+            self._lift(state)
         self._update_hole(state, True)
 
     def _lift(self, state) -> None:
@@ -261,7 +270,9 @@ class BitFlow(Component):
         p["volume"] = (
             p["volume"] + before - self._chamber(p, x) if keep else self.end.volume + below - area * gap
         )
-        if abs(area - self._size) > 2 * OTHER_SIZE * self._size:
+        resized = abs(area - self._size) > 2 * OTHER_SIZE * self._size
+        self._resized = resized if self._leader is None else self._leader._resized
+        if self._resized:
             last = np.array([self.node - 1])
             sizes = around.annulus(
                 last, np.array([[depth - around.mesh.length[-1] - around.mesh.rigid_above[-1], depth]])

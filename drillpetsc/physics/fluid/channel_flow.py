@@ -60,6 +60,11 @@ class FluidConstants:
         self._record = record
         self.address = ctypes.addressof(record)
 
+    @property
+    def constants(self) -> tuple[Any, ...]:
+        """The numbers at ``address``."""
+        return self.density, self.bulk_modulus, self.gravity, self.clinging, self.rheology
+
     def enthalpy(self, pressure: FloatArray | float) -> FloatArray | float:
         """Compute the flow work of a pressure [Pa] per volume at zero pressure [J/m3].
 
@@ -141,6 +146,7 @@ class ChannelFlow(Component):
                 spins,
                 self.parameters(part.cells[chosen]).array,
                 context=self.fluid.address,
+                constants=self.fluid.constants,
             )
             block.keep = (self.fluid,)
             self._blocks.append(block)

@@ -73,6 +73,9 @@ class MovingHole:
     reamers: that widen the hole, from the top.
     nodes: (nv,) numbers of the local nodes.
 
+    leader: hole of a run beside which this one is; it is evaluated again with the leader, at the same nodes.
+    moved: (nv,) nodes at which the last ``follow`` has evaluated it; None: it has not looked where they are.
+
     At the last evaluation of the hole at a node, (nv,) each: depth, measured [m]; volume of hole above it
     [m3]; area [m2]; ahead: motion for which these values are valid [m].
     """
@@ -90,6 +93,8 @@ class MovingHole:
         self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
         self._near: np.ndarray | None = None
+        self.leader: MovingHole | None = None
+        self.moved: np.ndarray | None = None
         #: hole, places (nv, 3) of the nodes' positions in the unknowns, position of each node at its depth and direction there (nv, 6)
         self._from: tuple[Well, np.ndarray, FloatArray] | None = None
         self._restored: FloatArray | None = None  # the last of them, from a checkpoint
@@ -113,7 +118,18 @@ class MovingHole:
 
         keep: volumes change by the integral of the rates, as in ``update``.
         """
-        if keep and not self.reamers and self._stays(state):  # as after almost every step
+        self.moved = self._evaluate(state, keep)
+        return self.moved if self.moved is not None and self.moved.any() else None
+
+    def forget(self) -> None:
+        """Let the next ``follow`` evaluate the hole at all nodes."""
+        self.depth = np.zeros(0)
+
+    def _evaluate(self, state, keep: bool) -> np.ndarray | None:
+        leader = self.leader if keep else None
+        if leader is not None and leader.moved is None:
+            return None
+        if keep and leader is None and not self.reamers and self._stays(state):  # as after almost every step
             return None
         reamed = [reamer.reamed for reamer in self.reamers]
         ringed = bool(reamed) and any(
@@ -121,7 +137,7 @@ class MovingHole:
         )
         if self._restored is not None:
             self._remember(state, self._restored)
-        if keep and not ringed and self._stays(state):
+        if keep and leader is None and not ringed and self._stays(state):
             return None
         position, found = self._project(state)
         way = None
@@ -129,14 +145,15 @@ class MovingHole:
             places, directions = np.hsplit(self._from[2], 2)
             way = np.sum((position - places) * directions, axis=1)
         # at the start the shoulder is at its given depth, wherever the string has moved since
-        moved = self.update(found.md, keep, ringed or (bool(self.reamers) and not keep), way)
+        everywhere = ringed or (bool(self.reamers) and not keep)
+        moved = self.update(found.md, keep, everywhere, way, None if leader is None else leader.moved)
         if moved.all():
             self._reamed = reamed
         # positions at the depths of the last evaluation
         since = found.md - self.depth if way is None else np.where(moved, 0.0, way)
         at_depth = position - found.tangent * since[:, None]
         self._remember(state, np.hstack([at_depth, found.tangent]))
-        return moved if moved.any() else None
+        return moved
 
     def _project(self, state) -> tuple[FloatArray, ClosestPoints]:
         """Positions (nv, 3) of the local nodes [m], and the points of the present hole's axis next to them."""
@@ -169,11 +186,17 @@ class MovingHole:
         return self.walls.annulus(self.hole, e, ends[:, 0] + self.mesh.rigid_above[e], ends[:, 1])
 
     def update(
-        self, depths: FloatArray, keep: bool, everywhere: bool = False, way: FloatArray | None = None
+        self,
+        depths: FloatArray,
+        keep: bool,
+        everywhere: bool = False,
+        way: FloatArray | None = None,
+        where: np.ndarray | None = None,
     ) -> np.ndarray:
         """Re-evaluate the hole at the nodes that have moved; returns their mask (nv,).
 
         depths: (nv,) present measured depths of the nodes [m]; everywhere: at all nodes.
+        where: (nv,) at these nodes instead.
         way: (nv,) motion of the nodes in the directions of the hole at the last evaluation, which the rates of the rows integrate; it
         differs from that of the depths where a node is off the axis of a bend; None: that of the depths [m].
         keep: volumes change by the integral of the rates.  A node that has moved further than ``ahead`` gets
@@ -187,7 +210,7 @@ class MovingHole:
             )
             moved, self._ringed = np.ones(len(depths), dtype=bool), np.zeros(len(depths))
         else:
-            moved = (np.abs(depths - self.depth) > REFRESH) | everywhere
+            moved = (np.abs(depths - self.depth) > REFRESH) | everywhere if where is None else where
         if moved.any():
             hole, here = self.hole, depths[moved]
             way = (depths - self.depth if way is None else way)[moved]

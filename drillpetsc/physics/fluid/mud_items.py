@@ -79,7 +79,14 @@ class MudItems(Component):
             tangent=np.tile([0.0, 0.0, 1.0], (len(here), 1)),
         )
         self._block = ElementBlock(
-            self.name, "mud_item", "vertex", self._vertices, VERTEX_SLOTS, (0,), params.array
+            self.name,
+            "mud_item",
+            "vertex",
+            self._vertices,
+            VERTEX_SLOTS,
+            (0,),
+            params.array,
+            remembers=True,
         )
         self._swirl: Swirl | None = None
         if any(q.share for q in self.items):

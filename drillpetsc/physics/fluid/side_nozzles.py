@@ -105,6 +105,7 @@ class SideNozzles(Component):
             (),
             params.array,
             context=self.fluid.address,
+            constants=self.fluid.constants,
             update=None if wet else self._ambient_update(params),
         )
         self._block.keep = (self.fluid,)

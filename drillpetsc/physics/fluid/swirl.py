@@ -63,6 +63,8 @@ class Swirl:
     share: (n,) ratio of steady swirl to spin [-], 0 for mud at rest; it may be changed in place.
     After the last step, (n,) each: spin, swirl [rad/s], trend of the spin [rad/s2].
     follow: (n,) rate at which the swirl follows [1/s], inf: at once; flow: (n,) corresponding flow rate [m3/s].
+    leader: swirl in a run beside which this one is, whose ``follow`` is renewed together with this one's.
+    renewed: the last ``follows_other_flow`` was true.
     """
 
     STATE = 6  #: columns of ``get_state``
@@ -75,6 +77,8 @@ class Swirl:
         self.share, self.spin, self.swirl, self.trend, self.follow, self._now, self._rate = rows
         self.share[:], self.follow[:] = share, np.inf
         self.flow = np.zeros(self._count)
+        self.leader: Swirl | None = None
+        self.renewed = False
         self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
         self._computed = np.nan  # time to which the swirl and its rate in the state belong [s]
@@ -150,7 +154,11 @@ class Swirl:
         places: (n,) of the flows in the values x, int32, -1 for none.
         """
         here = pointer(places), pointer(x), pointer(self.flow)
-        old = bool(_following_is_old(self._count, *here, self._state_at, limit))
+        led = self.leader
+        old = (
+            bool(_following_is_old(self._count, *here, self._state_at, limit)) if led is None else led.renewed
+        )
+        self.renewed = old
         if old:  # the caller will change ``follow``
             self._computed = np.nan
         return old

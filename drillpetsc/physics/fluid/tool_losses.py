@@ -72,7 +72,15 @@ class ToolLosses(Component):
         slots = (("bore.pressure", 0), ("bore.pressure", 1), ("bore.flow", 1))
         points = np.array([i for _, i, _ in rows], dtype=np.int32)
         self._block = ElementBlock(
-            "tool_losses", "tool_loss", "cell", points, slots, (), params.array, context=pointer(self._table)
+            "tool_losses",
+            "tool_loss",
+            "cell",
+            points,
+            slots,
+            (),
+            params.array,
+            context=pointer(self._table),
+            constants=(self._table,),
         )
         self._block.keep = (self._table,)
         self._cells = part.cells

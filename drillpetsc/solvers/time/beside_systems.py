@@ -23,12 +23,16 @@ _beside_states = function("beside_states", "ippipppip")
 
 
 class Part(NamedTuple):
-    """Elements of a block from ``first`` to ``last``, which is not included.  params: theirs, (n, p)."""
+    """Elements of a block from ``first`` to ``last``, which is not included.
+
+    params: theirs, (n, p); others: those of the other systems of the parameter: rows are the same where these are; none: unknown.
+    """
 
     block: BoundBlock
     first: int
     last: int
     params: FloatArray
+    others: tuple[FloatArray, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -67,13 +71,15 @@ class BesideSystems:
         """Find the elements whose rows the parameters change, after components have changed theirs."""
         parts = [part for group in self.groups for part in _parts_of(group)]
         ours = {b.block.name: (i, b) for i, b in enumerate(self.system.assembly.calls.blocks)}
+        pairs = zip(self.system.assembly.bound_blocks, self.system.component_of, strict=True)
+        opens = {b.block.name for b, component in pairs if component.has_contact}
         self._kept, self._updates = [], []
         self.moved[:] = 0
         for call, (k, beside), changed in zip(self.calls, self._every, parts, strict=True):
             asm, (still, moved) = beside.system.assembly, (list[Part](), list[Part]())
             for part in changed:
                 i, b = ours.get(part.block.block.name, (0, part.block))
-                moves = bool(b.block.context) and b is not part.block and _correspond(b, part.block)
+                moves = part.block.block.name in opens and b is not part.block and _correspond(b, part.block)
                 (moved if moves else still).append(part)
                 self.moved[i, k] |= moves
             ends = _end_parts(asm)
@@ -90,11 +96,12 @@ class BesideSystems:
         """Address and number of records of parts; moved: those that are evaluated at moved positions."""
         parts = [*still, *moved]
         calls = (_PartCall * len(parts))()
-        for i, (call, (b, first, last, params)) in enumerate(zip(calls, parts, strict=True)):
-            index = b.index[first:last]
+        for i, (call, (b, first, last, params, others)) in enumerate(zip(calls, parts, strict=True)):
+            index, at = b.index[first:last], (ctypes.c_void_p * max(1, len(others)))(*map(pointer, others))
+            call.others, call.other_count, call.size = ctypes.addressof(at), len(others), params.size
             call.residual, call.record, call.count = b.residual_at, b.block.context, last - first
             call.index, call.parameters, call.moved = pointer(index), pointer(params), i >= len(still)
-            self._kept += [index, params]
+            self._kept += [index, params, at]
         self._kept.append(calls)
         return ctypes.addressof(calls), len(parts)
 
@@ -179,8 +186,10 @@ def _correspond(a: BoundBlock, b: BoundBlock) -> bool:
 def _changed(blocks: Sequence[BoundBlock], weights: Sequence[float]) -> list[Part]:
     """Parts of corresponding blocks for ``_parts_of``: of each, of the first one, or none."""
     first, count = blocks[0].block, blocks[0].count
-    if any(b.block.update for b in blocks) or (first.context and not _equal(blocks)):
+    if first.context and not _equal(blocks):
         return [_part(b, 0, count) for b in blocks]
+    if any(b.block.update or b.block.remembers for b in blocks):
+        return [Part(b, 0, count, b.block.params, tuple(q.block.params for q in blocks)) for b in blocks]
     differs = np.zeros(first.params.shape, dtype=bool)
     for b in blocks[1:]:
         differs |= ~((b.block.params == first.params) | (np.isnan(b.block.params) & np.isnan(first.params)))

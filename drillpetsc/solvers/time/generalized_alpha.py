@@ -247,6 +247,8 @@ class GeneralizedAlpha(TimeIntegrator):
         self._step_time[1, k] += dt * dt
         if self._monitored:
             print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
+        if self.follower is not None:
+            self.follower.step(t)
         self.system.accept(t)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
             for call in self.after_step:

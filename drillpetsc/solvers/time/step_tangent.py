@@ -68,14 +68,20 @@ class StepTangent:
         self._take_states(rates=True)
         integrator.follower = self
         integrator.newton.iteration.serve_others()
-        integrator.after_step.append(self._follow)
+        self._began = False
+        for group in groups:
+            for beside in group:
+                beside.system.follow(self.system)
+        if self._remember:
+            integrator.after_step.append(self._accept)
 
     def _make_call(self) -> None:
         """Create the record for compiled code."""
         asm, (k, length) = self.system.assembly, self.x.shape
         calls, owned = asm.calls, len(self.system.layout.local_of_owned)
         widest = max(
-            (b.count * b.width**2 for b in calls.blocks if not _product_of(b.block.kernel)), default=0
+            (b.count * b.width**2 + 4 * b.width for b in calls.blocks if not _product_of(b.block.kernel)),
+            default=0,
         )
         self._along, self._by_rate, self._by_second, self._rows = (np.zeros((k, length)) for _ in range(4))
         self._constants_at = pointer(self._by_rate), pointer(self._by_second)
@@ -130,6 +136,9 @@ class StepTangent:
         """The formula starts at ``t`` [s]; jumped: a prescribed velocity jumps."""
         for given in self._given:
             given.forget()
+        if not self._began:  # as the run has done
+            self._began = True
+            self._accept_here(t)
         if isinstance(self.formula, BdfDerivatives):
             self.formula.start(t, self.x, self.y)
             return
@@ -159,8 +168,8 @@ class StepTangent:
                 return
         self.formula.try_stage(t, *self._solve(t))
 
-    def _follow(self, t: float, dt: float) -> None:
-        """A step to ``t`` [s] is accepted."""
+    def step(self, t: float) -> None:
+        """As of ``Follower``."""
         if self.system.frames_renewed != self._frames:
             raise SolveError(
                 "sensitivities of a string that tumbles, whose reference frames are renewed, are not computed",
@@ -168,11 +177,16 @@ class StepTangent:
             )
         self.x, self.y, self.a = self._solve(t)
         self.formula.advance(t, self.x, self.y, self.a)
-        if self._remember:
-            self._beside.move(self.x, self.y, self.a)
-            for group in self.groups:
-                for beside in group:
-                    beside.system.accept(t)
+
+    def _accept(self, t: float, dt: float) -> None:
+        self._beside.move(self.x, self.y, self.a)
+        self._accept_here(t)
+
+    def _accept_here(self, t: float) -> None:
+        """Let the components of the systems beside the run go on from the end ``t`` [s] of a step, as those of the run have."""
+        for group in self.groups:
+            for beside in group:
+                beside.system.accept(t)
 
     # ------------------------------------------------------------------ a step
     def _solve(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:

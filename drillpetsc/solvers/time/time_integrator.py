@@ -69,6 +69,9 @@ class Follower(Protocol):
     def stage(self, t: float, step: float) -> None:
         """A stage of the first ``step`` [s] after a start is solved, at ``t`` [s]."""
 
+    def step(self, t: float) -> None:
+        """A step to ``t`` [s] is solved and accepted; what components carry from step to step is still that of its solution."""
+
 
 class Sampler(Protocol):
     """A function called at regular times of a run."""
@@ -449,6 +452,8 @@ class TimeIntegrator:
             )
         if self._frozen is not None:
             ts.setTimeStep(self._frozen_step())
+        if self.follower is not None:
+            self.follower.step(self._last)
         self.system.accept(self._last)
         with self.system.assembly.unchanged():  # results of the step are shared by all that follows
             for call in self.after_step:

@@ -66,7 +66,7 @@ class Neighbours:
 
 def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None = None) -> None:
     """Raise CaseError for what the derivatives do not follow, in the run or beside it.  integrator: of the run."""
-    system, bit = model.system, model.bit
+    system, bit, mud = model.system, model.bit, case.fluid
     has = {
         "a bit that cuts: its hole grows": isinstance(bit, RockBit) and _cuts(bit),
         "events, such as of a jar": any(c.has_events for c in system.components),
@@ -75,7 +75,9 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
         "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
         "constraints of joints, or of the quaternion element": system.constrained
         or system.assembly.derive is not None,
-        "drilling fluid": model.fluid is not None,
+        "drilling fluid with formulation: hermite, or with dynamics: quasi_steady": mud is not None
+        and (mud.formulation, mud.dynamics) != ("mixed", "full"),
+        "a reamer in drilling fluid": model.fluid is not None and model.fluid.rings is not None,
         "a solver or integrator of PETSc in place of its own": integrator is not None
         and not (integrator.condensed and integrator.newton.direct),
     }
@@ -160,6 +162,12 @@ class RunOfCase:
                 skipped[key.name] = error.want
         for each in (model, *(m for n in found for m in n.models)):
             release(each)
+            if (
+                each.fluid is not None
+                and each.fluid.annulus is not None
+                and each.fluid.annulus.moving_hole is not None
+            ):
+                each.fluid.annulus.moving_hole.forget()  # statics has evaluated it at places on its way
             move_rigidly(each)
             for component in each.components:
                 component.settle(0.0, each.system.assembly)
