@@ -7,9 +7,6 @@ import pytest
 
 from drillpetsc import Case, statics
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
-from drillpetsc.analysis.statics import equilibrium
-from drillpetsc.analysis.statics.start import coarse_start
-from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.verification.test_roadmap_command import case
@@ -178,40 +175,6 @@ def test_a_string_that_its_weight_pushes_into_a_level_hole_has_a_path(tmp_path) 
     for state in summary["path_states"]:
         assert 0 < state["hook_load"] < hanging - FRICTION * weight * 1300.0
     assert summary["path_states"][0]["change"] < 2e-3 and summary["buckling"]["sinusoidal"]
-
-
-def test_the_coarse_mesh_of_a_fine_one_follows_no_path(monkeypatch, tmp_path) -> None:
-    """Its result would be discarded: where Newton's method finds no state of the coarse mesh, the fine one is solved."""
-    well = straight(60.0, 300.0, FRICTION)
-    made = Case(
-        well=well,
-        string=[
-            {**PIPE, "length": 299.5, "element_length": 1.5},
-            {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
-        ],
-        top={"kind": "top_drive", "lowering": 0.1},
-        bottom={"kind": "bit"},
-        gravity=9.81,
-        initial={"from": "statics", "wob": 20e3},
-    )
-    expected = statics(made, tmp_path / "a").summary["hook_load"]
-    reach, meshes = equilibrium.reach, []
-
-    def on_fine_meshes(problem):
-        meshes.append(problem.model.mesh.nodes)
-        if problem.model.mesh.nodes < 100:
-            raise SolveError("no state")
-        return reach(problem)
-
-    def followed(problem, kind):
-        raise AssertionError("a path was followed")
-
-    monkeypatch.setattr(coarse_start, "FINE", 100)
-    monkeypatch.setattr(coarse_start, "COARSE", 50)
-    monkeypatch.setattr(equilibrium, "reach", on_fine_meshes)
-    monkeypatch.setattr(equilibrium, "answer_by_path", followed)
-    assert statics(made, tmp_path / "b").summary["hook_load"] == pytest.approx(expected, rel=1e-6)
-    assert min(meshes) < 100 < max(meshes)
 
 
 def test_a_turning_string_that_slides_on_is_not_told_as_sliding(tmp_path) -> None:

@@ -155,7 +155,6 @@ def _posed(
         found,
         straight,
         start,
-        lambda other: director_equilibrium(other, motion, lateral_friction, may_follow_path=False),
         may_follow_path,
     )
 

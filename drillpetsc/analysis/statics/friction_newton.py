@@ -9,13 +9,11 @@ from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_we
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import helix_load, newton_or_drag, relax, relax_with_drag
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.coarse_start import coarse_factor, coarse_model, place_like
 from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
-from drillpetsc.errors import CaseError, SolveError
+from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.coarse_mesh import too_coarse
-from drillpetsc.physics.tools.mud_motor import MudMotor
 
 START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
@@ -29,56 +27,11 @@ def reach(problem: StaticProblem) -> float:
 
     Raises SolveError if no equilibrium is found.
     """
-    # from the cheapest to the dearest; each leaves the march behind if it finds no stable state
-    for way in (_from_coarse_mesh, from_lateral_start):
-        reached = way(problem)
-        if reached is not None:
-            return reached
-    return _by_relaxation(problem)
+    reached = _from_lateral_start(problem)
+    return _by_relaxation(problem) if reached is None else reached
 
 
-def _from_coarse_mesh(problem: StaticProblem) -> float | None:
-    """Try Newton's method with friction from the equilibrium on a coarse mesh; manual: sec-statics-coarse-start.
-
-    Returns the lateral friction fraction reached; None, with the state restored, if the mesh is not fine, or no
-    stable equilibrium is found.
-    """
-    model, solver, state, found = problem.model, problem.solver, problem.state, problem.found
-    factor = coarse_factor(model)
-    if factor is None or found is None or not problem.moves:
-        return None
-    # the lateral start of a coiled string costs less, and a motor may have another speed on another mesh
-    if found.helical.any() or model.parts(MudMotor):
-        return None
-    start, report = Snapshot(model), state.equilibrium
-    try:
-        coarse = coarse_model(model, factor, state.motion)
-        if 2 * coarse.mesh.nodes > model.mesh.nodes:  # each item keeps an element
-            return None
-        below = problem.solve(coarse)
-        if not below.stable:
-            return None
-        report.iterations += below.equilibrium.iterations
-        place_like(model, coarse)
-        asked = problem.fraction if state.motion[1] else 1.0
-        # a fine mesh may reach what the coarse one did not
-        for trial in sorted({below.lateral_fraction, asked}):
-            problem.impose(trial)
-            solver.newton(report, START_INCREMENT if trial != asked else solver.start_increment)
-    except (SolveError, CaseError):
-        start.restore()
-        return None
-    finally:
-        problem.set_friction_aside()
-    if (
-        solver.negative_pivots()
-    ):  # coarse elements are stiffer: their stable state may be a saddle of the fine ones
-        start.restore()
-        return None
-    return asked
-
-
-def from_lateral_start(problem: StaticProblem) -> float | None:
+def _from_lateral_start(problem: StaticProblem) -> float | None:
     """Try to reach a state from the lateral equilibrium of a pushed string; manual: sec-statics-lateral-start.
 
     Returns the lateral friction fraction reached, or None with the state restored if nothing pushes the string, or no

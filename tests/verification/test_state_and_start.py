@@ -1,4 +1,4 @@
-"""Statics of fine meshes: the start from a coarse mesh, and flow and string together (manual: sec-statics-coarse-start)."""
+"""The static state does not depend on its start, nor on whether flow and string are solved together (manual: sec-statics-sequence)."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.statics import flow_coupling
+from drillpetsc.analysis.statics import flow_coupling, friction_newton
 from drillpetsc.analysis.statics.equilibrium import director_equilibrium
-from drillpetsc.analysis.statics.start import coarse_start
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.model.mesh import coarsened
 
 FLUID = {
     "density": 1200.0,
@@ -61,12 +59,12 @@ def loads(model: DrillingModel) -> np.ndarray:
 
 @pytest.mark.parametrize("fluid", [True, False])
 @pytest.mark.parametrize("top", [{"rotation": 10.0}, {"lowering": 0.1}, {"lowering": -0.1}])
-def test_the_start_from_a_coarse_mesh_leads_to_the_same_state(fluid, top, monkeypatch) -> None:
+def test_the_lateral_equilibrium_and_the_march_lead_to_the_same_state(fluid, top, monkeypatch) -> None:
     """Loads to 1e-6, positions to 0.1 mm; with lateral friction where it is reached at all."""
     states = []
-    for fine in (10**6, 300):
-        monkeypatch.setattr(coarse_start, "FINE", fine)
-        monkeypatch.setattr(coarse_start, "COARSE", 150)
+    for lateral in (True, False):
+        if not lateral:
+            monkeypatch.setattr(friction_newton, "_from_lateral_start", lambda _: None)
         model = build_model(well(3.0, fluid, **top))
         state = director_equilibrium(model)
         assert state.stable and state.equilibrium.converged and state.lateral_fraction == 1.0
@@ -74,24 +72,6 @@ def test_the_start_from_a_coarse_mesh_leads_to_the_same_state(fluid, top, monkey
     (a, x), (b, y) = states
     assert b == pytest.approx(a, rel=1e-6)
     assert np.abs(x - y).max() < 1e-4
-
-
-def test_a_string_is_placed_like_that_of_a_coarse_mesh() -> None:
-    """Nodes of both meshes lie where they were; between them, within 3 cm of the elastic line of the fine mesh."""
-    fine, distance = build_model(well(6.0, False)), []
-    coarse = build_model(coarsened(well(6.0, False), 3.0))
-    director_equilibrium(coarse)
-    coarse_start.place_like(fine, coarse)
-    s, t = coarse.mesh.node_depth, fine.mesh.node_depth
-    placed = fine.system.field("string.position")
-    for depth, r in zip(s, coarse.system.field("string.position"), strict=True):
-        k = int(np.argmin(np.abs(t - depth)))
-        if abs(t[k] - depth) < 1e-9:
-            distance.append(float(np.linalg.norm(placed[k] - r)))
-    assert len(distance) >= 4 and max(distance) < 1e-12
-    start = placed.copy()
-    director_equilibrium(fine)
-    assert np.linalg.norm(start - fine.system.field("string.position"), axis=1).max() < 0.03
 
 
 @pytest.mark.parametrize("flow", [0.0, 0.03])
