@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.kernels.parameters import Table, parameters_of
 
 if TYPE_CHECKING:
@@ -201,6 +201,11 @@ class Powers(NamedTuple):
     supplied: float = 0.0
 
 
+def _numbers(parts: tuple[Any, ...]) -> list[float]:
+    """The numbers of one step from (1,) each or numbers."""
+    return [np.asarray(part).item() for part in parts]
+
+
 class Start(NamedTuple):
     """Data for a machine when a motion begins from the static state.
 
@@ -306,24 +311,28 @@ class Component:
         """Copy changed reference frames into the parameters of the blocks."""
 
     # ------------------------------------------------------------------ energy
+    # A component with energies or powers implements them for one state or for several steps; the other form follows.
     def energies(self, t: float, state: Any) -> Energies:
         """Stored energies on this rank [J]."""
-        return Energies()
+        return Energies(*_numbers(self.energies_of(OneStep(state, t))))
 
     def powers(self, t: float, state: Any) -> Powers:
         """Dissipated and supplied power on this rank [W]."""
-        return Powers()
+        return Powers(*_numbers(self.powers_of(OneStep(state, t))))
 
-    def energies_of(self, steps: Any) -> tuple[Any, Any, Any]:
+    def energies_of(self, steps: OneStep) -> tuple[Any, Any, Any]:
         """``energies`` after each of k recorded steps (``fem.step_record.StepRecord``), (k,) each or numbers."""
-        return tuple(
-            steps.computed(
-                lambda sample: self.energies(sample.time, sample.assembly), 3, id(self), "energies"
-            ).T
+        if type(self).energies is Component.energies:
+            return 0.0, 0.0, 0.0
+        found = steps.computed(
+            lambda sample: self.energies(sample.time, sample.assembly), 3, id(self), "energies"
         )
+        return tuple(found.T)
 
-    def powers_of(self, steps: Any) -> tuple[Any, Any]:
+    def powers_of(self, steps: OneStep) -> tuple[Any, Any]:
         """``powers`` after each of k recorded steps, (k,) each or numbers."""
+        if type(self).powers is Component.powers:
+            return 0.0, 0.0
         return tuple(
             steps.computed(lambda sample: self.powers(sample.time, sample.assembly), 2, id(self), "powers").T
         )

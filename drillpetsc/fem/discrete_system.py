@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -71,18 +70,14 @@ class DiscreteSystem:
         #: of each bound block: its component
         self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
         #: components that store energy, and components with powers
-        self._storing = [c for c in self.components if type(c).energies is not Component.energies]
-        self._working = [c for c in self.components if type(c).powers is not Component.powers]
+        self._storing = self._with_own("energies", "energies_of")
+        self._working = self._with_own("powers", "powers_of")
         #: components with history variables
         self._remembering = [c for c in self.components if c.remembers]
         #: how often reference frames were renewed
         self.frames_renewed = 0
         #: components with reference frames
-        self._framed = [
-            c
-            for c in self.components
-            if type(c).renew_reference_frames is not Component.renew_reference_frames
-        ]
+        self._framed = self._with_own("renew_reference_frames")
         #: of all components
         self.contact_flags = tuple(f for c in self.components for f in c.contact_flags())
         layout = self.layout
@@ -99,6 +94,11 @@ class DiscreteSystem:
         self.scale = scale[layout.field_of]  # (n,) usual magnitude of each local unknown
         self._with_rate = np.flatnonzero(layout.y_local >= 0)  # unknowns with a rate in the state
         self._make_tables()
+
+    def _with_own(self, *hooks: str) -> list[Component]:
+        """Components that implement one of these hooks."""
+        base = [getattr(Component, name) for name in hooks]
+        return [c for c in self.components if [getattr(type(c), name) for name in hooks] != base]
 
     def _assemble(self, blocks: tuple[ElementBlock, ...], other: Component | None) -> Assembly:
         """Bind the elements of all components to the layout.
@@ -325,16 +325,13 @@ class DiscreteSystem:
 
         physics: only components whose elements have unknowns of this physics.
         """
-        kinetic = strain = potential = 0.0
+        return Energies(*total(self.comm, self._local_energies(t, physics)).tolist())
+
+    def _local_energies(self, t: float, physics: str = "") -> FloatArray:
+        """(3,) ``energies`` of this rank."""
         chosen = self._with(physics) if physics else self._storing
-        for component in self._storing:
-            if component not in chosen:
-                continue
-            part = component.energies(t, self.assembly)
-            kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
-        if self._serial:
-            return Energies(kinetic, strain, potential)
-        return Energies(*total(self.comm, [kinetic, strain, potential]))
+        parts = [component.energies(t, self.assembly) for component in self._storing if component in chosen]
+        return np.sum([(0.0, 0.0, 0.0), *parts], axis=0)
 
     def _with(self, physics: str) -> list[Component]:
         """Components with an element on this rank that has unknowns of ``physics``."""
@@ -366,11 +363,11 @@ class DiscreteSystem:
 
     def energies_of(self, steps: StepRecord) -> FloatArray:
         """(k, 3) ``energies`` of this rank after each of k recorded steps [J]."""
+        if self.assembly.derive is not None:
+            return steps.computed(lambda sample: self._local_energies(sample.time), 3, "energies")
         out = np.zeros((len(steps), 3))
         for component in self._storing:
-            one_by_one = self.assembly.derive is not None
-            of = partial(Component.energies_of, component) if one_by_one else component.energies_of
-            for k, part in enumerate(of(steps)):
+            for k, part in enumerate(component.energies_of(steps)):
                 out[:, k] += part
         return out
 

@@ -8,14 +8,18 @@ only here.  This module does not use PETSc or MPI.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, Literal, Protocol, TypeVar
+
+import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.unit_systems import System, shown
 
 Result = TypeVar("Result")
+Places = int | Sequence[int] | np.ndarray
 
 Entity = Literal["scalar", "node", "element", "item", "rigid_item", "joint", "probe", "sensor"]
 Interpolation = Literal["linear", "motion", "none"]
@@ -36,6 +40,12 @@ def numbered(word: str, number: int) -> str:
     return word if number == 1 else f"{word}_{number}"
 
 
+@cache
+def _of_one(values: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """The ``value`` of a quantity from its ``values``; the same function for the same values."""
+    return lambda source, sample: values(source, sample)[0]
+
+
 @dataclass(frozen=True)
 class Quantity:
     """One output: its name and unit in files, the words that reports show, and how it is evaluated.
@@ -51,10 +61,9 @@ class Quantity:
     interpolate: between two steps: a straight line, a parabola through three steps (``motion``), or none: the value
     at the time of writing.
     mean: the mean over a time has a meaning.
-    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...), or None if this
-    model has them one
-    by one only; without it, ``value`` is called after every step.
-    value(source, sample): this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
+    values(source, steps): the ``value`` after each of k recorded steps (``fem.step_record``), (k, ...); without it, ``value`` is
+    called after every step.
+    value(source, sample): by default that of ``values``; this rank's share, summed over ranks: a number, or (k, size) for k joints or probes; for
     ``node`` (nv, size) at the local vertices; for ``element`` (nc,) or (nc, 2, ...) at its upper and lower end.
     size: numbers of one entity that ``value`` returns.
     finish(source, values, depth): numbers to be written, from the ``size`` numbers of one entity; of nodes and probes
@@ -89,6 +98,10 @@ class Quantity:
     interest: int = 0
     kind: str = ""
     tool: str = ""
+
+    def __post_init__(self) -> None:
+        if self.value is None and self.values is not None:
+            object.__setattr__(self, "value", _of_one(self.values))
 
     def numbered(self, number: int) -> Quantity:
         """The quantity of the tool of this ``number`` from the top; the first keeps the name."""
@@ -146,14 +159,68 @@ class Source(Protocol):
         ...
 
 
-class Sample:
-    """The present state, at which quantities are evaluated.
+class OneStep:
+    """The present state with the interface of several recorded steps (``fem.step_record.StepRecord``).
 
-    system: the discrete system; assembly: its unknowns and rates on this rank; time: of the inputs [s].
+    assembly: unknowns and rates on this rank; time: of the inputs [s].
     """
 
+    def __init__(self, assembly: Any, time: float) -> None:
+        self.assembly, self.times = assembly, [time]
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    @property
+    def time(self) -> float:
+        """Of the inputs of the last step [s]."""
+        return self.times[-1]
+
+    def results(self, block: Any, kernel: str, columns: int) -> Any:
+        """Results of a block at every step; arguments as in ``Assembly.results``."""
+        return self.assembly.results(block, kernel, columns)
+
+    def numbers(self, array: FloatArray, places: Places) -> FloatArray:
+        """(k, m) the numbers of ``array`` at flat ``places`` (m,), (k,) at one place, of the k steps."""
+        flat = array.reshape(-1)
+        if isinstance(places, int | np.integer):
+            return flat[places : places + 1].copy()
+        if isinstance(places, range):  # of neighbours
+            return flat[None, places.start : places.stop].copy()
+        return np.asarray(flat[np.asarray(places, dtype=int).reshape(-1)][None])
+
+    def computed(self, call: Callable[[Any], Any], size: int, *key: Any) -> FloatArray:
+        """(k, size) what ``call`` returns after each step: the way for numbers that are not worth more.
+
+        key: identifies the function: two calls with one key are one.
+        """
+        return np.asarray(call(self), dtype=float).reshape(1, size)
+
+    def sums(self, block: Any, kernel: str, columns: int) -> FloatArray:
+        """(k, columns) sums of the results of a block over its elements on this rank."""
+        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
+
+    def parameters(self, block: Any, name: str, row: int) -> FloatArray:
+        """(k,) or (k, width) the parameter ``name`` of one element of a block."""
+        at, start = block.named.columns[name], row * block.params.shape[1]
+        places = start + at if isinstance(at, int) else range(start + at.start, start + at.stop)
+        return self.numbers(block.params, places)
+
+    def unknowns(self, dofs: np.ndarray | int) -> FloatArray:
+        """As ``numbers``, of the unknowns."""
+        return self.numbers(self.assembly.x, dofs)
+
+    def rates(self, dofs: np.ndarray | int) -> FloatArray:
+        """As ``numbers``, of the rates."""
+        return self.numbers(self.assembly.y, dofs)
+
+
+class Sample(OneStep):
+    """The present state of a ``system``, at which quantities are evaluated."""
+
     def __init__(self, system: Any, time: float) -> None:
-        self.system, self.assembly, self.time = system, system.assembly, time
+        super().__init__(system.assembly, time)
+        self.system = system
         self._results: dict[tuple[Any, ...], Any] = {}
 
     def once(self, function: Callable[..., Result], *arguments: Any) -> Result:

@@ -7,7 +7,7 @@ results.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,14 +15,13 @@ import numpy as np
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.bound_parts import BlockResults
 from drillpetsc.fem.component import ElementBlock
-from drillpetsc.fem.quantity import Sample
+from drillpetsc.fem.quantity import OneStep, Places, Sample
 from drillpetsc.kernels import function, pointer
 
 _record_step = function("record_step", "ipipp")
-Places = int | Sequence[int] | np.ndarray
 
 
-class StepRecord:
+class StepRecord(OneStep):
     """Steps of a system with the numbers that outputs are computed from.
 
     A function of outputs requests its numbers by ``numbers``, ``sums``, ``parameters`` and ``computed``.  Before the first step it is
@@ -33,8 +32,8 @@ class StepRecord:
     """
 
     def __init__(self, system: Any, capacity: int) -> None:
-        self.system, self.assembly, self.capacity = system, system.assembly, capacity
-        self.times: list[float] = []
+        super().__init__(system.assembly, 0.0)
+        self.system, self.capacity, self.times = system, capacity, []
         #: results of blocks: with block, kernel and number of columns, and whether every step needs them
         self._results: dict[BlockResults, tuple[tuple[ElementBlock, str, int], bool]] = {}
         self._spans: dict[Any, slice] = {}
@@ -67,9 +66,6 @@ class StepRecord:
         ]
 
     # ------------------------------------------------------------------ steps
-    def __len__(self) -> int:
-        return len(self.times)
-
     def add(self, time: float, sampled: bool = True) -> None:
         """Record the present state of the assembly.  time: of its inputs [s]; sampled: with all numbers."""
         if self._table is None:
@@ -115,7 +111,6 @@ class StepRecord:
 
     # ------------------------------------------------------------------ numbers
     def results(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
-        """Results of a block, which are evaluated at every step; arguments as in ``Assembly.results``."""
         if self._table is not None:
             return self.assembly.block_results(block, kernel, columns)
         found = self.assembly.results(block, kernel, columns)
@@ -124,7 +119,7 @@ class StepRecord:
         return found
 
     def numbers(self, array: FloatArray, places: Places) -> FloatArray:
-        """(k, m) the numbers of ``array`` at flat ``places`` (m,), (k,) at one place, of the k steps.
+        """As of one step.
 
         array: C-contiguous, of doubles; it is kept and must keep its memory.
         """
@@ -144,36 +139,13 @@ class StepRecord:
             self._kept.append(array)
             span = self._spans[key] = slice(start, start + len(flat))
         if self._table is None:
-            found = array.reshape(-1)[np.asarray(places, dtype=int).reshape(-1)][None].copy()
-        else:
-            if self._columns.shape[1] != len(self.times):
-                self._columns = np.ascontiguousarray(self._table[: len(self.times)].T)
-            found = self._columns[span].T
+            return super().numbers(array, places)
+        if self._columns.shape[1] != len(self.times):
+            self._columns = np.ascontiguousarray(self._table[: len(self.times)].T)
+        found = self._columns[span].T
         return np.asarray(found[:, 0] if one else found)
 
-    def sums(self, block: ElementBlock, kernel: str, columns: int) -> FloatArray:
-        """(k, columns) sums of the results of a block over its elements on this rank."""
-        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
-
-    def parameters(self, block: ElementBlock, name: str, row: int) -> FloatArray:
-        """(k,) or (k, width) the parameter ``name`` of one element of a block."""
-        at, start = block.named.columns[name], row * block.params.shape[1]
-        places = start + at if isinstance(at, int) else range(start + at.start, start + at.stop)
-        return self.numbers(block.params, places)
-
-    def unknowns(self, dofs: np.ndarray | int) -> FloatArray:
-        """As ``numbers``, of the unknowns."""
-        return self.numbers(self.assembly.x, dofs if isinstance(dofs, int) else np.ravel(dofs))
-
-    def rates(self, dofs: np.ndarray | int) -> FloatArray:
-        """As ``numbers``, of the rates."""
-        return self.numbers(self.assembly.y, dofs if isinstance(dofs, int) else np.ravel(dofs))
-
     def computed(self, call: Callable[[Sample], Any], size: int, *key: Any) -> FloatArray:
-        """(k, size) what ``call`` returns after each step: the way for numbers that are not worth more.
-
-        key: identifies the function: two calls with one key are one.
-        """
         span = self._spans.get(key)
         if span is None:
             if self._table is not None:
@@ -183,5 +155,5 @@ class StepRecord:
             self._functions.append((call, span, self._always))
             self._kept.append(key)
         if self._table is None:
-            return np.asarray(call(Sample(self.system, 0.0)), dtype=float).reshape(1, size)
+            return Sample(self.system, 0.0).computed(call, size)
         return self._values[: len(self.times), span]

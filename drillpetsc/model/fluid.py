@@ -16,6 +16,7 @@ from drillpetsc.case.blocks.items.string import Rigid
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.errors import CaseError
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -97,6 +98,17 @@ class FluidComponents:
             self.items,
         )
         return tuple(r for r in parts if r is not None)
+
+    def pump_pressure_of(self, steps: OneStep) -> FloatArray:
+        """(k,) pressure at the upper end of the bore, plus the loss of the surface line [Pa]; zero if another rank has the end."""
+        flow = None if self.bore is None else self.bore.pumped_of(steps)
+        if self.bore is None or flow is None:
+            return np.zeros(len(steps))
+        pressure, line = self.bore.upper_pressure_of(steps), self.surface_line
+        if line is None:
+            return pressure
+        lost = {q: line.loss(q) for q in set(flow.tolist())}  # a pump's flow is the same in most steps
+        return np.asarray(pressure + [lost[q] for q in flow.tolist()])
 
 
 def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:

@@ -18,6 +18,7 @@ from drillpetsc.case.blocks.top_drive import (
 )
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.physics import interfaces
@@ -265,14 +266,6 @@ def connect_sensors(
             if row.owned and "top.axial_reaction" in row.condition.names
         )
 
-    def pump_pressure(t: float, state: Any) -> float:
-        assert fluid is not None and fluid.bore is not None
-        flow = fluid.bore.pumped(t, state)
-        if flow is None:  # another rank has the end
-            return 0.0
-        loss = 0.0 if fluid.surface_line is None else fluid.surface_line.loss(flow)
-        return fluid.bore.upper_pressure(state) + loss
-
     if isinstance(hoist, RigidHoist):
         hoist.sensors = {"hook": hook}
         return
@@ -285,5 +278,6 @@ def connect_sensors(
     if "torque" in kinds:
         found["torque"] = torque
     if "differential_pressure" in kinds:
-        found["differential_pressure"] = pump_pressure
+        assert fluid is not None
+        found["differential_pressure"] = lambda t, state: fluid.pump_pressure_of(OneStep(state, t)).item()
     hoist.sensors = found

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, cross
@@ -232,20 +232,6 @@ class AncfBeam(interfaces.Beam):
                 _results(*head, pointer(part))
                 out[b.points] = part
         return out
-
-    def energies(self, t: float, state) -> Energies:
-        kinetic = strain = potential = 0.0
-        for b in self._blocks:
-            part = state.results(b, "beam_balance", _BALANCE.width).sums[_STORED].tolist()
-            kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
-        return Energies(kinetic, strain, potential)
-
-    def powers(self, t: float, state) -> Powers:
-        lost = 0.0
-        for b in self._blocks:
-            if "damped" in b.kernel:
-                lost += state.results(b, "beam_balance", _BALANCE.width).sums.item(_DISSIPATED)
-        return Powers(lost)
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         parts = [steps.sums(b, "beam_balance", _BALANCE.width)[:, _STORED] for b in self._blocks]

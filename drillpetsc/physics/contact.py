@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Energies, Powers
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.fem.string_mesh import StringMesh
@@ -134,6 +134,8 @@ class Contact(Component):
     name = "contact"
     RESULTS = RESULTS  # columns of ``element_results``
     has_contact = True
+    #: kernel, slots and ends with spins of an element that is not below a rigid item
+    _element: tuple[str, tuple[tuple[str, int], ...], tuple[int, ...]] = ("contact", SLOTS, (0, 1))
 
     def __init__(
         self,
@@ -198,9 +200,8 @@ class Contact(Component):
         m = self.mesh
         self._part = part
         self._touching: list[np.ndarray] = []
-        self._row_of: dict[int, FloatArray] | None = (
-            None  # normal forces at the points of a local cell, filled at the first use
-        )
+        #: of a local cell: the table of normal forces and its row there, filled at the first use
+        self._row_of: dict[int, tuple[FloatArray, int]] = {}
         self._normal: list[np.ndarray] = []
         self._blocks: list[ElementBlock] = []
         below_junction = m.below_junction
@@ -217,8 +218,9 @@ class Contact(Component):
                 continue
             chosen = np.flatnonzero(on_rank[part.cells]).astype(np.int32)
             e = part.cells[chosen]
+            kernel, slots, spins = ("contact_junction", JUNCTION_SLOTS, (0, 1)) if below else self._element
             params = Parameters(
-                "contact",
+                kernel,
                 len(e),
                 length=m.length[e],
                 rigid=m.rigid_above[e],
@@ -229,11 +231,11 @@ class Contact(Component):
             self._blocks.append(
                 ElementBlock(
                     f"contact_junction{name}" if below else f"contact{name}",
-                    "contact_junction" if below else "contact",
+                    kernel,
                     "cell",
                     chosen,
-                    JUNCTION_SLOTS if below else SLOTS,
-                    (0, 1),
+                    slots,
+                    spins,
                     params.array,
                     context=self._context(len(chosen), ends, driven),
                     constants=(self.law, self._packed, rule(self.law.points, *ends)),
@@ -401,18 +403,6 @@ class Contact(Component):
         pairs = zip(self._touching, self._laws[-len(self._touching) :], strict=True)
         return tuple(ContactFlags(touching, True, ctypes.addressof(law)) for touching, law in pairs)
 
-    def normal_force(self, cell: int) -> float:
-        """Return the normal force on a local cell in the last residual [N]."""
-        if self._row_of is None:
-            self._row_of = {
-                int(c): normal[e]
-                for b, normal in zip(self._blocks, self._normal, strict=True)
-                if b.on == "cell"
-                for e, c in enumerate(b.points)
-            }
-        normal = self._row_of.get(cell)
-        return 0.0 if normal is None else float(normal.sum())
-
     def _block_results(self, state) -> list[BlockResults]:
         """Results of each block: the columns of ``RESULTS``."""
         return [state.results(b, b.results_kernel, RESULTS.width) for b in self._blocks]
@@ -448,23 +438,6 @@ class Contact(Component):
                 bodies[next(items)] = at
         return cells, bodies
 
-    def item_results(self, state) -> FloatArray:
-        """(bodies, columns) results of each rigid item of the mesh, in the columns of ``RESULTS``; zero on ranks without the item."""
-        out = np.zeros((len(self.mesh.bodies), RESULTS.width))
-        found = (b for b in self._blocks if b.on != "cell")
-        for items, b in zip(self._items, found, strict=True):
-            out[items] = state.results(b, b.results_kernel, RESULTS.width).table
-        return out
-
-    def energies(self, t: float, state) -> Energies:
-        return Energies(strain=sum(results.sums.item(_STORED) for results in self._block_results(state)))
-
-    def powers(self, t: float, state) -> Powers:
-        lost = 0.0
-        for results in self._block_results(state):
-            lost += results.sums.item(_DAMPED) + results.sums.item(_RUBBED)
-        return Powers(lost)
-
     def _sums_of(self, steps) -> list[FloatArray]:
         return [steps.sums(b, b.results_kernel, RESULTS.width) for b in self._blocks]
 
@@ -475,7 +448,8 @@ class Contact(Component):
         return sum(sums[:, _DAMPED] + sums[:, _RUBBED] for sums in self._sums_of(steps)), 0.0
 
     def item_results_of(self, steps) -> FloatArray:
-        """(k, bodies, columns) ``item_results`` after each of k recorded steps."""
+        """(k, bodies, columns) results of each rigid item of the mesh after each of k steps, in the columns of ``RESULTS``; zero on
+        ranks without the item."""
         out = np.zeros((len(steps), len(self.mesh.bodies), RESULTS.width))
         found = (b for b in self._blocks if b.on != "cell")
         for items, b in zip(self._items, found, strict=True):
@@ -484,12 +458,19 @@ class Contact(Component):
         return out
 
     def normal_force_of(self, cell: int, steps) -> FloatArray:
-        """(k,) ``normal_force`` after each of k recorded steps."""
-        for b, normal in zip(self._blocks, self._normal, strict=True):
-            if b.on == "cell" and cell in b.points:
-                row, points = int(np.flatnonzero(b.points == cell)[0]), normal.shape[1]
-                return np.asarray(steps.numbers(normal, range(row * points, (row + 1) * points)).sum(axis=1))
-        return np.zeros(len(steps))
+        """(k,) normal force on a local cell in the last residual of each of k steps [N]."""
+        if not self._row_of:
+            self._row_of = {
+                int(c): (normal, e)
+                for b, normal in zip(self._blocks, self._normal, strict=True)
+                if b.on == "cell"
+                for e, c in enumerate(b.points)
+            }
+        if cell not in self._row_of:
+            return np.zeros(len(steps))
+        normal, row = self._row_of[cell]
+        points = normal.shape[1]
+        return np.asarray(steps.numbers(normal, range(row * points, (row + 1) * points)).sum(axis=1))
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.CONTACT

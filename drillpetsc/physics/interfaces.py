@@ -11,6 +11,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import Component
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 
@@ -174,20 +175,17 @@ class Bit(Component):
         return None
 
     @abstractmethod
-    def weight_and_torque(self, state: Any) -> tuple[float, float]:
-        """Compute weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-
-    @abstractmethod
-    def weight_and_torque_of(self, steps: Any) -> FloatArray:
-        """(k, 2) ``weight_and_torque`` after each of k recorded steps."""
+    def element_results_of(self, steps: OneStep) -> FloatArray:
+        """(k, columns) results of the bit after each of k steps, zero on ranks without it: weight [N] and torque [N m] first."""
 
     def element_results(self, state: Any) -> FloatArray:
-        """Results of the bit, zero on ranks without it: weight [N] and torque [N m] first."""
-        return np.array(self.weight_and_torque(state))
+        """(columns,) ``element_results_of`` the present state."""
+        return np.asarray(self.element_results_of(OneStep(state, 0.0))[0])
 
-    def element_results_of(self, steps: Any) -> FloatArray:
-        """(k, columns) ``element_results`` after each of k recorded steps."""
-        return self.weight_and_torque_of(steps)
+    def weight_and_torque(self, state: Any) -> tuple[float, float]:
+        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
+        weight, torque = self.element_results(state)[:2].tolist()
+        return weight, torque
 
     def direction_of(self, steps: Any) -> FloatArray:
         """(k, 3) direction of the hole that the bit drills, at its end, after each of k recorded steps."""
@@ -221,12 +219,9 @@ class Bit(Component):
         """
         return np.zeros(3)
 
-    def progress(self, state: Any) -> tuple[float, float]:
-        """Length drilled since the start [m] and rate of penetration [m/s], zero on ranks without the bit."""
-        return 0.0, 0.0
-
-    def progress_of(self, steps: Any) -> FloatArray:
-        """(k, 2) ``progress`` after each of k recorded steps."""
+    def progress_of(self, steps: OneStep) -> FloatArray:
+        """(k, 2) length drilled since the start [m] and rate of penetration [m/s] after each of k steps, zero on ranks without the
+        bit."""
         return np.zeros((len(steps), 2))
 
     @property

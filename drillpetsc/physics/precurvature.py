@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Energies
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels.parameters import Parameters
@@ -67,19 +67,11 @@ class Precurvature(Component):
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.named.update(end_frames(self.frames, e))
 
-    def energies(self, t: float, state) -> Energies:
-        total = 0.0
-        for b in self._blocks:
-            total += state.results(b, "curved_energy", 1).sums.item(0)
-        # the constant EI kappa0^2/2 makes the energy of the free shape zero
-        for constant in self._constants:
-            total += constant
-        return Energies(strain=total)
-
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         total: Any = 0.0
         for b in self._blocks:
             total = total + steps.sums(b, "curved_energy", 1)[:, 0]
+        # the constant EI kappa0^2/2 makes the energy of the free shape zero
         for constant in self._constants:
             total = total + constant
         return 0.0, total, 0.0

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.quantity import FloatArray, Quantity, Sample, part
+from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
 
 
 # ---------------------------------------------------------------------- wall contact
@@ -45,8 +45,7 @@ BIT: tuple[Quantity, ...] = (
         mnemonic="WOB",
         sign="positive on the rock",
         doc="Force of the bit on the bottom of the hole, along the hole's axis.",
-        value=lambda bit, sample: sample.once(bit.weight_and_torque)[0],
-        values=lambda bit, steps: part(bit.weight_and_torque_of(steps), 0),
+        values=lambda bit, steps: bit.element_results_of(steps)[:, 0],
         panel=2,
         interest=2,
     ),
@@ -58,8 +57,7 @@ BIT: tuple[Quantity, ...] = (
         mnemonic="TOB",
         sign="the rock brakes clockwise rotation",
         doc="Torque of the rock on the bit.",
-        value=lambda bit, sample: sample.once(bit.weight_and_torque)[1],
-        values=lambda bit, steps: part(bit.weight_and_torque_of(steps), 1),
+        values=lambda bit, steps: bit.element_results_of(steps)[:, 1],
         panel=3,
         interest=7,
     ),

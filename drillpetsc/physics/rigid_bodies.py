@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels.parameters import Parameters
@@ -117,15 +117,6 @@ class RigidBodies(Component):
             )
         for b, e in zip(self._blocks, self._cells, strict=True):
             b.named.update(end_frames(self.frames, e))
-
-    def energies(self, t: float, state) -> Energies:
-        kinetic = potential = 0.0
-        if len(self._nodes):
-            kinetic, potential = state.results(self._block, "body_energy", 2).sums.tolist()
-        for b in self._blocks:
-            part = state.results(b, "eccentric_energy", 2).sums.tolist()
-            kinetic, potential = kinetic + part[0], potential + part[1]
-        return Energies(kinetic=kinetic, potential=potential)
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         kinetic = potential = 0.0

@@ -93,24 +93,9 @@ def test_defaults_do_no_harm() -> None:
     )
 
 
-PAIRS = (
-    "energies", "powers", "totals", "upper_pressure", "upper_flow", "pressure_at", "pumped", "outflow",
-    "content_above",
-)  # fmt: skip
-
-
 @each_row("kind", all_components(), ids=lambda kind: f"{kind.__module__[19:]}.{kind.__name__}")
-def test_recorded_steps_are_those_of_the_same_class(kind: type[Component]) -> None:
-    """A class that computes something of a state its own way does so for recorded steps, too: the other form would be that of the
-    class above it, and wrong without a word."""
-    order = kind.__mro__
-    for name in (*PAIRS, "weight_and_torque", "element_results"):
-        of_steps = {"totals": "sums_of", "element_results": "results_of"}.get(name, f"{name}_of")
-        if not hasattr(kind, name) or not hasattr(kind, of_steps):
-            continue
-        here, there = (next(k for k, c in enumerate(order) if n in vars(c)) for n in (name, of_steps))
-        falls_back = order[there] is Component or order[there].__module__ == interfaces.__name__
-        together = order[there].__module__ == order[here].__module__  # a class for several of one form
-        assert falls_back or there <= here or together, (
-            f"{order[here].__name__}.{name}, but {order[there].__name__}.{of_steps}"
-        )
+def test_energies_and_powers_have_one_home(kind: type[Component]) -> None:
+    """A class has them for one state or for several steps: a second form could differ from the first without a word."""
+    for name in ("energies", "powers"):
+        own = [n for n in (name, f"{name}_of") if getattr(kind, n) is not getattr(Component, n)]
+        assert len(own) < 2

@@ -12,6 +12,7 @@ from drillpetsc.analysis.motion.integrator_choice import make_integrator
 from drillpetsc.analysis.motion.quasi_static import QuasiStatic
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import move_rigidly, release
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.petsc_options import applied
@@ -101,7 +102,12 @@ def follow(case: Case) -> Run:
             figures = [recorder.value(v, name) for name in names]
             rows.append(
                 np.array(
-                    [t, *figures, bit.progress(model.system.assembly)[0], *model.system.field("hole.end")[-1]]
+                    [
+                        t,
+                        *figures,
+                        bit.progress_of(OneStep(model.system.assembly, 0.0))[0, 0],
+                        *model.system.field("hole.end")[-1],
+                    ]
                 )
             )
 
@@ -207,7 +213,10 @@ def test_side_friction_carries_part_of_the_weight_when_sliding() -> None:
     model = run.model
     assert model.contact is not None and model.drilling is not None
     weight = GRAVITY * (STEEL * (section(PIPE) * PIPE_LENGTH + section(COLLAR) * COLLAR_LENGTH) + BIT_MASS)
-    normal = sum(model.contact.normal_force(e) for e in range(len(model.mesh.lower)))
+    normal = sum(
+        model.contact.normal_force_of(e, OneStep(model.system.assembly, 0.0))[0]
+        for e in range(len(model.mesh.lower))
+    )
     normal += model.drilling.element_results(model.system.assembly)[3]
     assert normal == pytest.approx(weight * 0.5, rel=0.03)
     assert run.drilled[-1] > 0.05

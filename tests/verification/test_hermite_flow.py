@@ -72,7 +72,7 @@ def measured(model, t: float) -> np.ndarray:
     cuttings."""
     mud, sample = FlowRecorder(model.system, model.fluid), Sample(model.system, t)
     ends = mud.pump_pressure, mud.bit_pressure, mud.outlet_flow, mud.pump_flow, mud.bit_flow
-    return np.array([value(sample) for value in (*ends, mud.content, mud.cuttings_flow)])
+    return np.concatenate([value(sample) for value in (*ends, mud.content, mud.cuttings_flow)])
 
 
 def history(case: Case, dt: float, end: float):

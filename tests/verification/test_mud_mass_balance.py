@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import drillpetsc
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.model.drilling_model import DrillingModel
 from tests.helpers.motion import fixed, integrate
 from tests.helpers.mud import hole, loop, started
@@ -53,7 +54,7 @@ def surplus(model: DrillingModel, t: float) -> float:
         speed = model.system.field("string.position", "y")[:, 2]
         stored -= np.exp(p * soft) * (1 + end.elasticity * p) * end.hole * speed[-1]
         stored += (f.annulus.annulus.hole[0] - f.annulus.annulus.outer[0]) * speed[0]
-    pumped, returned = f.bore.pumped(t, asm), f.annulus.outflow(asm)
+    pumped, returned = f.bore.pumped_of(OneStep(asm, t))[0], f.annulus.outflow(asm)
     assert pumped is not None and returned is not None
     return float(stored - pumped + returned)
 

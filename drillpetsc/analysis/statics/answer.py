@@ -60,7 +60,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     }
     if model.top.prescribes or force is not None:
         top, sample = TopEnd(model), Sample(system, 0.0)
-        out["top_travel"] = top.travel(_sum_over_ranks(model, top.position(sample)))
+        out["top_travel"] = top.travel(_sum_over_ranks(model, top.positions(sample)[0]))
     if model.case.rig is not None and model.case.rig.block_weight is not None:
         out["hook_load_total"] = out["hook_load"] + model.case.rig.block_weight
     if model.contact is not None:

@@ -8,8 +8,7 @@ import numpy as np
 
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.quantity import Quantity, Sample
-from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.fem.quantity import OneStep, Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
 from drillpetsc.output import quantities as declared
@@ -20,80 +19,11 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 BIT_FLOW, CHAMBER, CUTTINGS = 1, 4, 6  # in the results of the flow at the bit
 
 
-class FlowsOfSteps:
-    """(k,) numbers of this rank after each of k steps; None if a model provides them one by one only.
-
-    fluid: components of the mud; last: local number of the last node, None on ranks without it.
-    """
-
-    def __init__(self, fluid: FluidComponents, last: int | None) -> None:
-        self.fluid, self._last = fluid, last
-
-    def pump_flow(self, steps: StepRecord) -> FloatArray:
-        """Flow rate into the bore [m3/s]."""
-        bore = self.fluid.bore
-        flow = None if bore is None else bore.pumped_of(steps)
-        return np.zeros(len(steps)) if flow is None else flow
-
-    def pump_pressure(self, steps: StepRecord) -> FloatArray:
-        """Pressure at the upper end of the bore, plus the loss of the surface line [Pa]."""
-        bore, line = self.fluid.bore, self.fluid.surface_line
-        flow = None if bore is None else bore.pumped_of(steps)
-        if bore is None or flow is None:
-            return np.zeros(len(steps))
-        pressure = bore.upper_pressure_of(steps)
-        if line is None:
-            return pressure
-        lost = {q: line.loss(q) for q in set(flow.tolist())}  # a pump's flow is the same in most steps
-        return np.asarray(pressure + [lost[q] for q in flow.tolist()])
-
-    def bit_pressure(self, steps: StepRecord) -> FloatArray | None:
-        """Pressure outside the lower end [Pa]."""
-        if self._last is None:
-            return np.zeros(len(steps))
-        bit, channel = self.fluid.bit, self.fluid.annulus or self.fluid.bore
-        if channel is None or (self.fluid.annulus is None and bit is not None and bit.has_link):
-            return None
-        return channel.pressure_at_of(steps, self._last)
-
-    def bit_flow(self, steps: StepRecord) -> FloatArray:
-        """Flow rate out of the string [m3/s]."""
-        bit = self.fluid.bit
-        return np.zeros(len(steps)) if bit is None else bit.results_of(steps)[:, BIT_FLOW]
-
-    def outlet_flow(self, steps: StepRecord) -> FloatArray | None:
-        """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
-        if self.fluid.annulus is not None:
-            return self.fluid.annulus.outflow_of(steps)
-        return None if self.fluid.side is not None else self.bit_flow(steps)
-
-    def cuttings_flow(self, steps: StepRecord) -> FloatArray | None:
-        """Rock that the mud takes up [m3/s]."""
-        if self.fluid.rings is not None:
-            return None
-        bit = self.fluid.bit
-        return np.zeros(len(steps)) if bit is None else bit.results_of(steps)[:, CUTTINGS]
-
-    def content(self, steps: StepRecord) -> FloatArray | None:
-        """Volume of all mud at zero pressure [m3]."""
-        if self.fluid.seals is not None:
-            return None
-        content = np.zeros(len(steps))
-        for channel in (self.fluid.bore, self.fluid.annulus):
-            if channel is not None:
-                content += channel.sums_of(steps)[:, _CONTENT]
-        if self.fluid.bit is not None:
-            content += self.fluid.bit.results_of(steps)[:, CHAMBER]
-        if self.fluid.annulus is not None:
-            content += self.fluid.annulus.content_above_of(steps)
-        return content
-
-
 _CONTENT, _SPEED = RESULT_NAMES.index("content"), RESULT_NAMES.index("speed")
 
 
 class FlowRecorder:
-    """The mud as a source of quantities; values are this rank's share.
+    """The mud as a source of quantities; values are this rank's share, of ends (k,) after each of k steps.
 
     fluid: components of the mud; some of bore, annulus and bit may be absent.
     """
@@ -103,7 +33,6 @@ class FlowRecorder:
         chain, last = system.chain, system.mesh.nodes - 1
         local = np.flatnonzero(chain.owned & (chain.vertices == last))
         self._last = int(local[0]) if len(local) else None
-        self.of_steps = FlowsOfSteps(fluid, self._last)
 
     def quantities(self) -> tuple[Quantity, ...]:
         bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None
@@ -114,69 +43,64 @@ class FlowRecorder:
         return ends + side + fields
 
     # ------------------------------------------------------------------ ends
-    def pump_flow(self, sample: Sample) -> float:
+    def pump_flow(self, steps: OneStep) -> FloatArray:
         """Flow rate into the bore [m3/s]."""
         bore = self.fluid.bore
-        flow = None if bore is None else sample.once(bore.pumped, sample.time)
-        return 0.0 if flow is None else flow
+        flow = None if bore is None else bore.pumped_of(steps)
+        return np.zeros(len(steps)) if flow is None else flow
 
-    def pump_pressure(self, sample: Sample) -> float:
+    def pump_pressure(self, steps: OneStep) -> FloatArray:
         """Pressure at the upper end of the bore, plus the loss of the surface line [Pa]."""
-        bore, line = self.fluid.bore, self.fluid.surface_line
-        flow = None if bore is None else sample.once(bore.pumped, sample.time)
-        if bore is None or flow is None:  # another rank has the end
-            return 0.0
-        return bore.upper_pressure(sample.assembly) + (0.0 if line is None else line.loss(flow))
+        return self.fluid.pump_pressure_of(steps)
 
-    def bit_pressure(self, sample: Sample) -> float:
+    def bit_pressure(self, steps: OneStep) -> FloatArray:
         """Pressure outside the lower end [Pa]: of the annulus, or at the outlet if there is none.
 
         A closed string without an annulus has no mud outside: the pressure inside its end.
         """
-        if self._last is None:
-            return 0.0
-        bit = self.fluid.bit
+        bit, channel = self.fluid.bit, self.fluid.annulus or self.fluid.bore
+        if self._last is None or channel is None:
+            return np.zeros(len(steps))
         if self.fluid.annulus is None and bit is not None and bit.has_link:
-            return bit.end.ambient.value(sample.time)
-        channel = self.fluid.annulus or self.fluid.bore
-        assert channel is not None
-        return channel.pressure_at(self.system, self._last)
+            return bit.ambient_of(steps)
+        return channel.pressure_at_of(steps, self._last)
 
-    def bit_flow(self, sample: Sample) -> float:
+    def bit_flow(self, steps: OneStep) -> FloatArray:
         """Flow rate out of the string [m3/s]."""
         bit = self.fluid.bit
-        return 0.0 if bit is None else sample.once(bit.element_results)[BIT_FLOW]
+        return np.zeros(len(steps)) if bit is None else bit.results_of(steps)[:, BIT_FLOW]
 
-    def side_flow(self, sample: Sample) -> float:
+    def side_flow(self, steps: OneStep) -> FloatArray:
         """Flow rate through nozzles above the bit [m3/s]."""
         side = self.fluid.side
-        return 0.0 if side is None else side.outflow(sample.assembly)
+        return np.zeros(len(steps)) if side is None else side.outflow_of(steps)
 
-    def outlet_flow(self, sample: Sample) -> float:
+    def outlet_flow(self, steps: OneStep) -> FloatArray:
         """Flow rate out of the flow line, or out of the string without an annulus [m3/s]."""
         if self.fluid.annulus is None:
-            return self.bit_flow(sample) + self.side_flow(sample)
-        flow = self.fluid.annulus.outflow(sample.assembly)
-        return 0.0 if flow is None else flow
+            return self.bit_flow(steps) + self.side_flow(steps)
+        flow = self.fluid.annulus.outflow_of(steps)
+        return np.zeros(len(steps)) if flow is None else flow
 
-    def cuttings_flow(self, sample: Sample) -> float:
+    def cuttings_flow(self, steps: OneStep) -> FloatArray:
         """Rock that the mud takes up [m3/s]."""
         bit, rings = self.fluid.bit, self.fluid.rings
-        reamed = 0.0 if rings is None else rings.cuttings(sample.assembly)
-        return reamed + (0.0 if bit is None else sample.once(bit.element_results)[CUTTINGS])
+        out = np.zeros(len(steps)) if bit is None else bit.results_of(steps)[:, CUTTINGS]
+        if rings is not None:
+            out = out + rings.cuttings_of(steps)
+        return out
 
-    def content(self, sample: Sample) -> float:
+    def content(self, steps: OneStep) -> FloatArray:
         """Volume of all mud at zero pressure [m3]."""
-        content = 0.0
-        for channel in (self.fluid.bore, self.fluid.annulus):
-            if channel is not None:
-                content += channel.totals(sample.assembly)[_CONTENT]
-        if self.fluid.bit is not None:
-            content += sample.once(self.fluid.bit.element_results)[CHAMBER]
-        if self.fluid.annulus is not None:
-            content += self.fluid.annulus.content_above(sample.assembly)
-        if self.fluid.seals is not None:
-            content += self.fluid.seals.content(sample.assembly)
+        content, fluid = np.zeros(len(steps)), self.fluid
+        for channel in self.channels().values():
+            content += channel.sums_of(steps)[:, _CONTENT]
+        if fluid.bit is not None:
+            content += fluid.bit.results_of(steps)[:, CHAMBER]
+        if fluid.annulus is not None:
+            content += fluid.annulus.content_above_of(steps)
+        if fluid.seals is not None:
+            content += fluid.seals.content_of(steps)
         return content
 
     # ------------------------------------------------------------------ along the string

@@ -77,8 +77,9 @@ class MotionClasses:
         m = len(self._bodies)
         out[m:-1, :4] = self._probes.motion(state)
         if self.model.contact is not None:
-            out[:m, 4] = self._items.loads(Sample(self.model.system, t))[:m, 0]
-            out[m:-1, 4] = self._probes.contact_force()
+            sample = Sample(self.model.system, t)
+            out[:m, 4] = self._items.loads(sample)[:m, 0]
+            out[m:-1, 4] = self._probes.contact_forces(sample)[0]
         return np.asarray(total(self.comm, out))
 
     def step(self, t: float, dt: float) -> None:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.quantity import Quantity
-from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.in_hole import offsets
@@ -113,7 +112,7 @@ class Probes:
         out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
         return out
 
-    def motions(self, steps: StepRecord) -> FloatArray | None:
+    def motions(self, steps: OneStep) -> FloatArray | None:
         """(k, probes, 4) ``motion`` after each of k recorded steps; None if it can only be found step by step."""
         out = np.zeros((len(steps), len(self._probes), 4))
         if not len(self._here):
@@ -127,20 +126,13 @@ class Probes:
         out[:, self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
         return out
 
-    def contact_forces(self, steps: StepRecord) -> FloatArray:
-        """(k, probes) ``contact_force`` after each of k recorded steps."""
+    def contact_forces(self, steps: OneStep) -> FloatArray:
+        """(k, probes) normal force [N] on the probes' elements, at the last evaluation of the rows of each of k steps."""
         contact, cells, out = self.model.given_contact, self._local, np.zeros((len(steps), len(self._probes)))
         for k, probe in enumerate(self._probes):
             if probe.cell in cells:
                 out[:, k] = contact.normal_force_of(cells[probe.cell], steps)
         return out
-
-    def contact_force(self) -> FloatArray:
-        """(probes,) normal force [N] on the probes' elements at the last evaluation of the rows."""
-        contact, cells = self.model.given_contact, self._local
-        return np.array(
-            [contact.normal_force(cells[p.cell]) if p.cell in cells else 0.0 for p in self._probes]
-        )
 
     def offset(self, positions: FloatArray) -> FloatArray:
         """(probes, 2) offsets [m] of the probes at ``positions`` (probes, 3) from the hole's axis."""

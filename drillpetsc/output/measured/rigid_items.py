@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.fem.quantity import Quantity, Sample
-from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.fem.quantity import OneStep, Quantity, Sample
 from drillpetsc.geometry.frames import cross, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import quantities as declared
@@ -53,27 +52,13 @@ class RigidItems:
         asked = self.model.case.output.item_forces and len(self.items) > 0
         return declared.SIDE_FORCES if asked else ()
 
-    def wall_results(self, sample: Sample) -> FloatArray:
-        """(bodies, columns) results of the wall contact of each rigid item of the mesh, including a bit that cuts.
-
-        Zero on ranks without the item.
-        """
-        out: FloatArray = sample.once(self.model.given_contact.item_results).copy()
-        bit = self.model.drilling
-        if bit is not None and bit.hole is not None and self._bit is not None:  # it has a separate contact
-            out[self._bit] += self._of_drilling_bit(
-                sample.once(bit.element_results)[None], bit.hole.direction
-            )[0]
-        return out
-
     def _of_drilling_bit(self, found: FloatArray, axis: FloatArray) -> FloatArray:
         """(k, columns) results of the side of a bit that cuts: from its own results (k, columns), in a hole of direction ``axis``
-        (3,) or (k, 3)."""
+        (k, 3)."""
         assert self.model.drilling is not None and self._bit is not None
         side, out = self.model.drilling.side_contact, np.zeros((len(found), RESULTS.width))
         assert side is not None
         body = self.model.mesh.bodies[self._bit]
-        axis = np.broadcast_to(axis, (len(found), 3))
         arm = (side.below - body.contact_above - 0.5 * body.contact_length) * axis
         force, normal = found[:, BIT_RESULTS["force"]], found[:, BIT_RESULTS["side"]]
         out[:, RESULTS["normal"]] = normal
@@ -86,19 +71,24 @@ class RigidItems:
 
     def loads(self, sample: Sample) -> FloatArray:
         """(items, 13) loads of the wall, zero on ranks without the item."""
-        if not len(self.items):
-            return np.zeros((0, declared.WALL_NUMBERS))
-        return np.asarray(self.wall_results(sample)[np.ix_(self.items, _LOADS)])
+        return np.asarray(self.loads_of(sample)[0])
 
-    def loads_of(self, steps: StepRecord) -> FloatArray:
-        """(k, items, 13) ``loads`` after each of k recorded steps."""
+    def loads_of(self, steps: OneStep) -> FloatArray:
+        """(k, items, 13) ``loads`` after each of k steps."""
         if not len(self.items):
             return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
+        return np.asarray(self.wall_results(steps)[:, self.items[:, None], _LOADS])
+
+    def wall_results(self, steps: OneStep) -> FloatArray:
+        """(k, bodies, columns) results of the wall contact of each rigid item of the mesh, including a bit that cuts.
+
+        Zero on ranks without the item.
+        """
         results, bit = self.model.given_contact.item_results_of(steps), self.model.drilling
-        if bit is not None and self._bit is not None:
+        if bit is not None and self._bit is not None:  # it has a separate contact
             found = bit.element_results_of(steps)
             results[:, self._bit] += self._of_drilling_bit(found, bit.direction_of(steps))
-        return np.asarray(results[:, self.items[:, None], _LOADS])
+        return results
 
     def resultants(self, loads: FloatArray) -> FloatArray:
         """(7,) or (k, 7) ``resultants`` of ``loads`` (13,) or (k, 13)."""

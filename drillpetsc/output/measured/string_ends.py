@@ -9,8 +9,7 @@ import numpy as np
 from drillpetsc.case.blocks.ends import TopEnd as TopKeys
 from drillpetsc.fem.component import Component, FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.quantity import Quantity, Sample
-from drillpetsc.fem.step_record import StepRecord
+from drillpetsc.fem.quantity import OneStep, Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
@@ -36,12 +35,12 @@ def moves(top: TopKeys) -> bool:
     return top.force is not None or not (lowering is None or lowering == Constant(0.0))
 
 
-def top_reactions(steps: StepRecord, name: str) -> FloatArray | None:
+def top_reactions(steps: OneStep, components: tuple[Component, ...], name: str) -> FloatArray | None:
     """(k,) ``top_reaction`` after each of k recorded steps; None if it is found one by one only."""
     for row in steps.assembly.row_replacements:
         if row.owned and name in row.condition.names:
             return steps.numbers(row.reaction, row.condition.names.index(name))
-    if any(type(c).reaction is not Component.reaction for c in steps.system.components):
+    if any(type(c).reaction is not Component.reaction for c in components):
         return None
     return np.zeros(len(steps))
 
@@ -65,15 +64,8 @@ class TopEnd:
         travel = (declared.TOP_TRAVEL,) if moves(m.case.top) else ()
         return (*declared.TOP_END, *total, *travel)
 
-    def position(self, sample: Sample) -> FloatArray:
-        """(3,) position of the top [m]; zero if another rank has it."""
-        if not self._is_here:
-            return np.zeros(3)
-        vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
-        return np.array(sample.assembly.x[sample.system.layout.dofs["string.position"][vertex]])
-
-    def positions(self, steps: StepRecord) -> FloatArray:
-        """(k, 3) ``position`` after each of k recorded steps."""
+    def positions(self, steps: OneStep) -> FloatArray:
+        """(k, 3) position of the top [m] after each of k steps; zero if another rank has it."""
         if not self._is_here:
             return np.zeros((len(steps), 3))
         vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
@@ -92,16 +84,20 @@ class TopEnd:
             return pull
         return -top_reaction(sample.system, "top.axial_reaction")
 
-    def hook_loads(self, steps: StepRecord) -> FloatArray | None:
+    def hook_loads(self, steps: OneStep) -> FloatArray | None:
         """(k,) ``hook_load`` after each of k recorded steps; None if it is found one by one only."""
         if self.force is not None or self._hoist is not None:
             return None
-        found = top_reactions(steps, "top.axial_reaction")
+        found = top_reactions(steps, self.model.components, "top.axial_reaction")
         return None if found is None else -found
 
-    def surface_torques(self, steps: StepRecord) -> FloatArray | None:
+    def surface_torques(self, steps: OneStep) -> FloatArray | None:
         """(k,) ``surface_torque`` after each of k recorded steps; None if it is found one by one only."""
-        return None if self._drive is not None else top_reactions(steps, "top.torque_reaction")
+        return (
+            None
+            if self._drive is not None
+            else top_reactions(steps, self.model.components, "top.torque_reaction")
+        )
 
     def hook_load_total(self, sample: Sample) -> float:
         """Pull on the string and weight of the block [N]."""
@@ -134,7 +130,7 @@ class LowerEnd:
             out[:3] = end + self.face * slope / sqrt(slope.dot(slope))
         return out
 
-    def motions(self, steps: StepRecord) -> FloatArray | None:
+    def motions(self, steps: OneStep) -> FloatArray | None:
         """(k, 4) ``motion`` after each of k recorded steps; None if it is found one by one only."""
         beam = self.model.beam
         if self.vertex is None:
@@ -164,11 +160,6 @@ class DrilledHole:
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.bit = model, model.bit
         self.start = hole_depth(model.case) if self.bit is not None else 0.0
-
-    def progress(self, steps: StepRecord) -> FloatArray:
-        """(k, 2) ``Bit.progress`` after each of k recorded steps."""
-        assert self.bit is not None
-        return self.bit.progress_of(steps)
 
     def quantities(self) -> tuple[Quantity, ...]:
         if self.bit is None:

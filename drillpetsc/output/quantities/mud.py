@@ -12,8 +12,7 @@ PUMP_FLOW = Quantity(
     mnemonic="MFIA",
     sign="into the bore; negative in reverse circulation",
     doc="Flow rate of the pump, as volume at zero pressure.",
-    value=lambda mud, sample: mud.pump_flow(sample),
-    values=lambda mud, steps: mud.of_steps.pump_flow(steps),
+    values=lambda mud, steps: mud.pump_flow(steps),
     panel=8,
 )
 OUTLET_FLOW = Quantity(
@@ -24,8 +23,7 @@ OUTLET_FLOW = Quantity(
     mnemonic="MFOA",
     sign="out of the annulus at the top",
     doc="Flow rate out of the flow line (without an annulus: out of the string), as volume at zero pressure.",
-    value=lambda mud, sample: mud.outlet_flow(sample),
-    values=lambda mud, steps: mud.of_steps.outlet_flow(steps),
+    values=lambda mud, steps: mud.outlet_flow(steps),
     panel=8,
     interest=10,
 )
@@ -39,8 +37,7 @@ MUD: tuple[Quantity, ...] = (
         mnemonic="SPP",
         sign="gauge pressure",
         doc="Pressure in the bore at the string's upper end, plus the loss of the surface line, if the case has one.",
-        value=lambda mud, sample: mud.pump_pressure(sample),
-        values=lambda mud, steps: mud.of_steps.pump_pressure(steps),
+        values=lambda mud, steps: mud.pump_pressure(steps),
         panel=7,
         interest=4,
     ),
@@ -53,8 +50,7 @@ MUD: tuple[Quantity, ...] = (
         mnemonic="BHP",
         sign="gauge pressure",
         doc="Pressure of the mud under the bit, outside the nozzles; inside the end of a closed string without an annulus.",
-        value=lambda mud, sample: mud.bit_pressure(sample),
-        values=lambda mud, steps: mud.of_steps.bit_pressure(steps),
+        values=lambda mud, steps: mud.bit_pressure(steps),
         panel=7,
         interest=9,
     ),
@@ -68,8 +64,7 @@ MUD: tuple[Quantity, ...] = (
         mnemonic="MFBT",
         sign="out of the string",
         doc="Flow rate through the nozzles, as volume at zero pressure.",
-        value=lambda mud, sample: mud.bit_flow(sample),
-        values=lambda mud, steps: mud.of_steps.bit_flow(steps),
+        values=lambda mud, steps: mud.bit_flow(steps),
     ),
 )
 #: column that exists only with nozzles above the bit
@@ -81,7 +76,7 @@ SIDE_FLOW = Quantity(
     mnemonic="MFSD",
     sign="out of the string",
     doc="Flow rate through the nozzles of reamers and stabilizers, as volume at zero pressure.",
-    value=lambda mud, sample: mud.side_flow(sample),
+    values=lambda mud, steps: mud.side_flow(steps),
 )
 #: columns that exist only with mud in the bore
 BORE_ONLY = ("pump_pressure", "pump_flow", "bit_flow")
@@ -92,8 +87,7 @@ CUTTINGS_FLOW = Quantity(
     on="scalar",
     label="Cuttings",
     doc="Rock that the mud takes up, as volume of mud.",
-    value=lambda mud, sample: mud.cuttings_flow(sample),
-    values=lambda mud, steps: mud.of_steps.cuttings_flow(steps),
+    values=lambda mud, steps: mud.cuttings_flow(steps),
 )
 MUD_CONTENT = Quantity(
     "mud_content",
@@ -101,8 +95,7 @@ MUD_CONTENT = Quantity(
     on="scalar",
     label="Content",
     doc="Volume at zero pressure of all mud.",
-    value=lambda mud, sample: mud.content(sample),
-    values=lambda mud, steps: mud.of_steps.content(steps),
+    values=lambda mud, steps: mud.content(steps),
 )
 MUD_FIELDS: tuple[Quantity, ...] = (
     Quantity(

@@ -81,7 +81,6 @@ PROBES: tuple[Quantity, ...] = (
         mnemonic="SFNNN",
         sign="push of the wall on the string, not negative",
         doc="Normal force of the wall on the element that holds the probe.",
-        value=lambda probes, sample: probes.contact_force(),
         values=lambda probes, steps: probes.contact_forces(steps),
     ),
 )
@@ -97,7 +96,6 @@ def _resultants(items: Any, values: Any, depth: Any) -> Any:
 _of_item = partial(
     Quantity,
     on="rigid_item",
-    value=lambda items, sample: items.loads(sample),
     values=lambda items, steps: items.loads_of(steps),
     size=WALL_NUMBERS,
     finish=_resultants,

@@ -29,7 +29,7 @@ def deepest_in_wall(model: DrillingModel) -> dict[str, Any] | None:
     sample = Sample(system, 0.0)
     cells, _ = sample.once(contact.element_results)
     depth = system.gather(np.ascontiguousarray(cells[:, [RESULTS["penetration"]]]), "cell")
-    bodies = total(system.comm, RigidItems(model).wall_results(sample)[:, RESULTS["penetration"]])
+    bodies = total(system.comm, RigidItems(model).wall_results(sample)[0, :, RESULTS["penetration"]])
     found: dict[str, Any] | None = None
     if place is not None and depth is not None:
         hole = contact.well.project(place)

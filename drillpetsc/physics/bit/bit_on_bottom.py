@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.kernels.parameters import Parameters, columns, constant
 from drillpetsc.physics import quantities as declared
@@ -17,7 +17,7 @@ from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
 NOT_IMPOSED = constant("not_imposed")
 RESULTS = columns("bit_contact_results")
-_WEIGHT, _TORQUE, _POWER = (RESULTS[name] for name in ("weight", "torque", "power"))
+_WEIGHT, _POWER = RESULTS["weight"], RESULTS["power"]
 
 
 def bit_torque(weight: float, friction: float, radius: float) -> float:
@@ -77,14 +77,9 @@ class BitOnBottom(Bit):
         """Take over the sliding that statics imposed on the bit of another model."""
         self._block.params[:] = other._block.params
 
-    def weight_and_torque(self, state) -> tuple[float, float]:
-        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        sums = self._sums(state)
-        return sums.item(_WEIGHT), sums.item(_TORQUE)
-
-    def _sums(self, state) -> FloatArray:
-        """(columns,) weight on bit [N], torque on bit [N m] and power of the friction of its face [W]."""
-        return state.results(self._block, "bit_contact_results", RESULTS.width).sums
+    def element_results_of(self, steps) -> FloatArray:
+        """(k, 3) weight on bit [N], torque on bit [N m] and power of the friction of its face [W]."""
+        return np.asarray(steps.sums(self._block, "bit_contact_results", RESULTS.width))
 
     def depth_of_face(self, state) -> tuple[float, FloatArray]:
         """How far the face is below the end of the hole [m], and its gradient by the local unknowns (n,);
@@ -108,24 +103,11 @@ class BitOnBottom(Bit):
         """Penetration [m] at which the bit carries ``weight`` [N] (manual: eq-contact-onset)."""
         return float(penetration(weight / self.stiffness))
 
-    def energies(self, t: float, state) -> Energies:
-        weight, _ = self.weight_and_torque(state)
-        return Energies(strain=0.5 * weight**2 / self.stiffness)
-
-    def powers(self, t: float, state) -> Powers:
-        return Powers(self._sums(state).item(_POWER))
-
-    def _sums_of(self, steps) -> FloatArray:
-        return np.asarray(steps.sums(self._block, "bit_contact_results", RESULTS.width))
-
-    def weight_and_torque_of(self, steps) -> FloatArray:
-        return self._sums_of(steps)[:, [_WEIGHT, _TORQUE]]
-
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
-        return 0.0, 0.5 * self._sums_of(steps)[:, _WEIGHT] ** 2 / self.stiffness, 0.0
+        return 0.0, 0.5 * self.element_results_of(steps)[:, _WEIGHT] ** 2 / self.stiffness, 0.0
 
     def powers_of(self, steps) -> tuple[Any, Any]:
-        return self._sums_of(steps)[:, _POWER], 0.0
+        return self.element_results_of(steps)[:, _POWER], 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.BIT

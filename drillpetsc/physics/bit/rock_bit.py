@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ContactFlags, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import ContactFlags, ElementBlock, Field
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -467,11 +467,11 @@ class RockBit(Bit):
         return (ContactFlags(self._flags),)
 
     # ------------------------------------------------------------------ results
-    def element_results(self, state) -> FloatArray:
-        """(columns,) of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
+    def element_results_of(self, steps) -> FloatArray:
+        """(k, columns) of ``RESULTS``: weight [N], torque [N m], rate [m/s], side force [N], stored
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
-        rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit; not to be changed."""
-        return np.asarray(state.results(self._block, self._results, RESULTS.width).sums)
+        rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit."""
+        return np.asarray(steps.sums(self._block, self._results, RESULTS.width))
 
     def element_results_at(self, state) -> FloatArray:
         """``element_results`` (1, columns) computed anew, on the rank that has the bit."""
@@ -489,38 +489,15 @@ class RockBit(Bit):
         )
         return out
 
-    def element_results_of(self, steps) -> FloatArray:
-        return np.asarray(steps.sums(self._block, self._results, RESULTS.width))
-
     @property
     def side_contact(self) -> SideContact:
         s = self.shape
         return SideContact(s.face - s.half, self.contact.side.stiffness, self.hole.radial_clearance(s.radius))
 
-    def weight_and_torque(self, state) -> tuple[float, float]:
-        """Weight on bit [N] and torque on bit [N m], zero on ranks without the bit."""
-        results = self.element_results(state)
-        return float(results[RESULTS["weight"]]), float(results[RESULTS["torque"]])
-
-    def weight_and_torque_of(self, steps) -> FloatArray:
-        return self.element_results_of(steps)[:, [RESULTS["weight"], RESULTS["torque"]]]
-
     def direction_of(self, steps) -> FloatArray:
         return (
             np.asarray(steps.parameters(self._block, "axis", 0)) if self._mine else np.zeros((len(steps), 3))
         )
-
-    def progress(self, state) -> tuple[float, float]:
-        """Return the length drilled since the start [m] and the rate of penetration [m/s].
-
-        Zero on ranks without the bit.
-        """
-        if not self._mine:
-            return 0.0, 0.0
-        drilled = (
-            self.params["hold"][0, 3] if self.rock.post_step else state.x[state.index_of(self._block)[0, 10]]
-        )
-        return float(drilled), float(self.element_results(state)[RESULTS["rate"]])
 
     def progress_of(self, steps) -> FloatArray:
         if not self._mine:
@@ -561,12 +538,6 @@ class RockBit(Bit):
             known = pointer(along)
         _rate(ctypes.addressof(self._made), pointer(F), pointer(e), omega, drilled, known, pointer(out))
         return out
-
-    def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.element_results(state)[RESULTS["stored"]]))
-
-    def powers(self, t: float, state) -> Powers:
-        return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return 0.0, self.element_results_of(steps)[:, RESULTS["stored"]], 0.0

@@ -6,13 +6,13 @@ Manual: sec-mud, sec-mud-force-annulus, sec-mud-moving.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import Component, ElementBlock, Powers
+from drillpetsc.fem.component import ElementBlock
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table
@@ -76,11 +76,13 @@ class AnnulusFlow(ChannelFlow):
         flow_line: FlowLine,
         held_at: FloatArray | None = None,
     ):
-        super().__init__(mesh, fluid, held_at is not None)
+        super().__init__(mesh, fluid, poisson, held_at)
         self.annulus, self.well, self.moving_hole = around.sizes, around.well, around.moving
-        self.poisson, self.lateral, self.held_at = poisson, lateral, held_at
-        self.flow_line = flow_line
-        self._top_place: FloatArray | None = None  # (3,) upper node at the last evaluation of the hole [m]
+        self.lateral, self.flow_line = lateral, flow_line
+        #: (3,) upper node at the last evaluation of the hole [m]
+        self._top_place = np.zeros(3)
+        #: volume [m3] of the hole above the upper node, its area [m2] and depth [m] there, at that evaluation, first in each
+        self._top_hole = np.zeros(1), self.annulus.hole, np.zeros(1)
         self._swirl: Swirl | None = None  # of a string that may turn
         self._flow_at: IntArray | None = None  # see ``_present_flow``
         self._outer, self._hole = (
@@ -181,15 +183,8 @@ class AnnulusFlow(ChannelFlow):
     def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
         """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
         m, a, s, zero = self.mesh, self.annulus, self.lateral, np.zeros(len(e))
-        length, drop, head = m.length[e], zero, zero
-        if self.held_at is not None:
-            length = length + m.rigid_above[e]
-            drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
-            head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
         return {
-            "length": length,
-            "rigid": m.rigid_above[e] if self.held_at is None else zero,
-            "poisson": self.poisson[e],
+            **self._along(e),
             "outer": a.outer[e],
             "hole": a.hole[e],
             "outer_above": np.where(m.is_joint & (m.rigid_above == 0), 0.0, a.outer_above)[e],
@@ -204,8 +199,6 @@ class AnnulusFlow(ChannelFlow):
             **dict.fromkeys(("share", "swirl", "swirl_rate", "spin_rate"), zero),
             **{name: value[e] for name, value in a.friction().items()},
             "controlled": zero,
-            "drop": drop,
-            "head": head,
             "level": self._level(self.well, m.upper[e], m.lower[e]),
         } | self._directions(self.well, m.upper[e], m.lower[e])
 
@@ -220,7 +213,10 @@ class AnnulusFlow(ChannelFlow):
                 self._swirl.attach(b, b.update)
             self._spins = MeanSpins(part.ends)
         if self.moving_hole is not None:
-            self.moving_hole.nodes = np.asarray(part.vertices)
+            around = self.moving_hole
+            around.attach(np.asarray(part.vertices), self.annulus.hole[0])
+            if self.resizes:
+                self._top_hole = around.volume, around.area, around.depth
         if self.flow_line.choke:
             elements = (*elements, self._valve(part))
         if self.held:
@@ -255,7 +251,8 @@ class AnnulusFlow(ChannelFlow):
         def update(t: float) -> None:
             if self._top is not None:
                 block, row = self._top
-                params["area"], params["direction"] = self._upper_area(), block.named["tangent1"][row]
+                area = self._top_hole[1][0] - self.annulus.outer[0]
+                params["area"], params["direction"] = area, block.named["tangent1"][row]
 
         valve = ElementBlock(
             kernel,
@@ -339,10 +336,8 @@ class AnnulusFlow(ChannelFlow):
         if moved is None:
             return
         if moved[0] and self._top is not None and self.resizes:
-            place = state.x[state.layout.dofs["string.position"][0]]
-            if self._top_place is None:
-                self._top_place = np.zeros(3)
-            self._top_place[:] = place  # in place: records of steps have its address
+            # in place: records of steps have its address
+            self._top_place[:] = state.x[state.layout.dofs["string.position"][0]]
         moved = moved[self._part.ends].any(axis=1)
         for b in self._blocks:
             rows = np.flatnonzero(moved[b.points])
@@ -423,8 +418,7 @@ class AnnulusFlow(ChannelFlow):
         if around is None or self.held or not around.evaluated:
             return swirl
         hole = around.get_state()
-        place = np.zeros(3) if self._top_place is None else self._top_place
-        nodes = np.hstack([hole, np.tile(place, (len(hole), 1))])
+        nodes = np.hstack([hole, np.tile(self._top_place, (len(hole), 1))])
         elements = np.zeros((len(part.cells), self._blocks[0].params.shape[1] + 1))
         for b in self._blocks:
             elements[b.points] = np.column_stack([b.params, self._hole[part.cells[b.points]]])
@@ -444,121 +438,71 @@ class AnnulusFlow(ChannelFlow):
                 saved["cell"][b.points, b.params.shape[1]],
             )
         if self._top is not None and self.resizes:
-            self._top_place = np.array(saved["vertex"][0, -3:])
+            self._top_place[:] = saved["vertex"][0, -3:]
 
     def breaks(self) -> tuple[float, ...]:
         return self.flow_line.pressure.breaks()
 
     def outflow(self, state) -> float | None:
-        """Compute the flow rate out of the flow line [m3/s]; None on ranks without the upper end.
+        """Flow rate out of the flow line [m3/s] at present; None on ranks without the upper end."""
+        flow = self.outflow_of(OneStep(state, 0.0))
+        return None if flow is None else float(flow[0])
+
+    # ------------------------------------------------------------------ of steps
+    def _upper_speed_of(self, steps) -> FloatArray:
+        """(k,) speed of the upper node along the hole [m/s], on the rank that has it."""
+        _, velocity = self._upper_motion_of(steps)
+        return np.asarray(np.sum(velocity * self._upper_direction_of(steps), axis=1))
+
+    def _upper_direction_of(self, steps, name: str = "tangent1") -> FloatArray:
+        """(k, 3) direction of the hole at the upper node, or the parameter ``name`` of the element there."""
+        block, row = self._upper_element
+        return np.asarray(steps.parameters(block, name, row))
+
+    def _upper_area_of(self, steps) -> FloatArray:
+        """(k,) area of the annulus at the upper node [m2], on the rank that has it."""
+        return np.asarray(steps.numbers(self._top_hole[1], 0) - self.annulus.outer[0])
+
+    def outflow_of(self, steps) -> FloatArray | None:
+        """(k,) flow rate out of the flow line [m3/s] after each of k steps; None on ranks without the upper end.
 
         It is the flow out of the upper node, minus the volume that the hole between the node and the fixed
         flow line gains while the node moves down.
         """
-        flow = self.upper_flow(state)
-        if flow is None:
-            return None
-        if self.held:
-            return -flow
-        return float(-flow - self._upper_area() * state.evaluate_once(self._upper_speed, state))
-
-    def content_above(self, state) -> float:
-        """Compute the volume between the upper node and the flow line [m3], up to a constant.
-
-        0 on ranks without the end.
-        """
-        if self._top is None or self.held:
-            return 0.0
-        (block, row), around = self._top, self.moving_hole
-        place, along = state.x[state.index_of(block)[row, :3]], block.named["tangent1"][row]
-        if around is None or self._top_place is None:
-            return float((self.annulus.hole[0] - self.annulus.outer[0]) * (place @ along))
-        way = (place - self._top_place) @ along
-        return float(
-            around.volume[0] + around.area[0] * way - self.annulus.outer[0] * (around.depth[0] + way)
-        )
-
-    def powers(self, t: float, state) -> Powers:
-        supplied, flow = 0.0, self.upper_flow(state)
-        if flow is not None and self._top is not None:
-            speed = self._speed_in_top(state)
-            along = state.evaluate_once(self._upper_speed, state)
-            pressure = self.upper_pressure(state)
-            supplied = flow * (
-                float(self.fluid.enthalpy(pressure))
-                + 0.5 * self.fluid.density * (speed + along) ** 2
-                - self._upper_head(state)
-            )
-            if (
-                not self.held
-            ):  # the upper end of the channel moves with the string, against the pressure there
-                supplied += pressure * self._upper_area() * along
-        return self._channel_powers(state, supplied)
-
-    # ------------------------------------------------------------------ of recorded steps
-    def _records_top(self) -> bool:
-        """Whether the data for powers and volumes at the upper end are in arrays that keep their memory."""
-        around = self.moving_hole
-        fixed = around is None or not self.resizes
-        return not self.held and (fixed or bool(around and around.evaluated and self._top_place is not None))
-
-    def _top_motion_of(self, steps) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Place and velocity of the upper node, direction of the hole there, (k, 3) each, on the rank that has it."""
-        block, row = self._upper_element
-        place = steps.assembly.index_of(block)[row, :3]
-        return steps.unknowns(place), steps.rates(place), steps.parameters(block, "tangent1", row)
-
-    def _upper_area_of(self, steps) -> Any:
-        around = self.moving_hole
-        if around is None or self._top_place is None:
-            return self.annulus.hole[0] - self.annulus.outer[0]
-        return steps.numbers(around.area, 0) - self.annulus.outer[0]
-
-    def outflow_of(self, steps) -> FloatArray | None:
-        """(k,) ``outflow`` after each of k recorded steps, zero on ranks without the upper end; None if it can only be found step by step."""
-        if not self._records_top():
-            return None
         flow = self.upper_flow_of(steps)
         if flow is None:
-            return np.zeros(len(steps))
-        _, velocity, along = self._top_motion_of(steps)
-        return np.asarray(-flow - self._upper_area_of(steps) * np.sum(velocity * along, axis=1))
+            return None
+        return np.asarray(-flow - self._upper_area_of(steps) * self._upper_speed_of(steps))
 
     def content_above_of(self, steps) -> Any:
-        """``content_above`` after each of k recorded steps."""
-        if not self._records_top():
-            return steps.computed(lambda sample: self.content_above(sample.assembly), 1, id(self), "above")[
-                :, 0
-            ]
-        if self._top is None:
+        """(k,) volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the end."""
+        if self._top is None or self.held:
             return 0.0
-        place, _, along = self._top_motion_of(steps)
-        around = self.moving_hole
-        if around is None or self._top_place is None:
-            return (self.annulus.hole[0] - self.annulus.outer[0]) * np.sum(place * along, axis=1)
-        way = np.sum((place - steps.numbers(self._top_place, range(3))) * along, axis=1)
-        volume, area, depth = (steps.numbers(a, 0) for a in (around.volume, around.area, around.depth))
+        place, _ = self._upper_motion_of(steps)
+        way = place - steps.numbers(self._top_place, range(3))
+        way = np.sum(way * self._upper_direction_of(steps), axis=1)
+        volume, area, depth = (steps.numbers(a, 0) for a in self._top_hole)
         return volume + area * way - self.annulus.outer[0] * (depth + way)
 
+    def _upper_head_of(self, steps) -> FloatArray:
+        """(k,) weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""
+        (place, _), gravity = self._upper_motion_of(steps), self.fluid.gravity
+        if self.held:
+            return np.asarray(self.fluid.density * (place @ gravity))
+        mean = self._upper_direction_of(steps) + self._upper_direction_of(steps, "tangent2")
+        mean /= np.sqrt(np.sum(mean * mean, axis=1))[:, None]
+        level = self._upper_direction_of(steps, "level")
+        return np.asarray(self.fluid.density * ((mean @ gravity) * np.sum(place * mean, axis=1) + level))
+
     def powers_of(self, steps) -> tuple[Any, Any]:
-        if not self._records_top():
-            return Component.powers_of(self, steps)
         supplied: Any = 0.0
         flow = self.upper_flow_of(steps)
-        if flow is not None and self._top is not None:
-            place, velocity, tangent = self._top_motion_of(steps)
-            along, density, gravity = (
-                np.sum(velocity * tangent, axis=1),
-                self.fluid.density,
-                self.fluid.gravity,
-            )
-            block, row = self._top
-            mean = tangent + steps.parameters(block, "tangent2", row)
-            mean /= np.sqrt(np.sum(mean * mean, axis=1))[:, None]
-            level = steps.parameters(block, "level", row)
-            head = density * (np.sum(gravity * mean, axis=1) * np.sum(place * mean, axis=1) + level)
-            pressure, speed = self._top_unknown_of(steps, -3), self._top_result_of(steps, SPEED)
-            supplied = flow * (self.fluid.enthalpy(pressure) + 0.5 * density * (speed + along) ** 2 - head)
+        if flow is not None:
+            pressure, speed = self.upper_pressure_of(steps), self._top_result_of(steps, SPEED)
+            along, kinetic = self._upper_speed_of(steps), 0.5 * self.fluid.density
+            head = self._upper_head_of(steps)
+            supplied = flow * (self.fluid.enthalpy(pressure) + kinetic * (speed + along) ** 2 - head)
+            # the upper end of the channel moves with the string, against the pressure there
             supplied = supplied + pressure * self._upper_area_of(steps) * along
         return self._channel_powers_of(steps, supplied)
 
@@ -567,26 +511,3 @@ class AnnulusFlow(ChannelFlow):
             return np.zeros(len(rows))
         velocity, p = state.y[state.index_of(block)[rows, 7:10]], block.named  # of the lower node
         return np.asarray(np.sum(velocity * p["tangent2"][rows], axis=1))
-
-    def _upper_area(self) -> float:
-        """Area of the annulus at the upper node [m2], on the rank that has it."""
-        around = None if self._top_place is None else self.moving_hole
-        area = self.annulus.hole[0] if around is None else around.area[0]
-        return float(area - self.annulus.outer[0])
-
-    def _upper_speed(self, state) -> float:
-        """Speed of the upper node along the hole [m/s], on the rank that has it."""
-        if self.held_at is not None:
-            return 0.0
-        block, row = self._upper_element
-        return float(state.y.take(state.index_of(block)[row, :3]).dot(block.named["tangent1"][row]))
-
-    def _upper_head(self, state) -> float:
-        """Weight of the mud above the upper node, at the hole's axis [Pa]: density times gravity times depth."""
-        if self.held_at is not None:
-            return self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
-        block, row = self._upper_element
-        place, p = state.x.take(state.index_of(block)[row, :3]), block.named
-        along = p["tangent1"][row] + p["tangent2"][row]
-        along /= sqrt(along.dot(along))
-        return self.fluid.density * float(self.fluid.gravity.dot(along) * place.dot(along) + p["level"][row])

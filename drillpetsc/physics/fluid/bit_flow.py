@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
@@ -357,46 +357,8 @@ class BitFlow(Component):
         block = self._block  # of one element at most, whose results are the sums
         return state.results(block, block.results_kernel, RESULTS.width).sums
 
-    def energies(self, t: float, state) -> Energies:
-        results = self.element_results(state)
-        return Energies(*(results.item(RESULTS[name]) for name in ("kinetic", "stored", "potential")))
-
-    def powers(self, t: float, state) -> Powers:
-        """Losses in the nozzles and of the jet, which comes to rest under the bit.
-
-        Without an annulus, the energy of the jet counts as work done outside (manual: eq-mud-end-power).
-        """
-        if not len(self._block.points):
-            return Powers()
-        e, f, results = self.end, self.fluid, self.element_results(state)
-        index, moving = state.index_of(self._block)[0], self.held_at is None
-        inside, outside, rising = self._end_flow(t, state)
-        velocity = state.y.take(index[:3]) if moving else np.zeros(3)
-        lost = supplied = 0.0
-        if self.has_annulus:  # what enters the annulus starts from rest
-            params = self._block.named
-            speed = float(velocity.dot(params["tangent"][0])) - rising * self._thinning(outside) / params[
-                "open"
-            ].item(0)
-            lost -= 0.5 * f.density * rising * speed**2
-            supplied += float(results[RESULTS["bottom"]])
-        if self.has_link:
-            flow = float(results[RESULTS["flow"]])
-            jet = flow * self._thinning(outside) / (e.nozzle or e.bore)
-            speed = flow * self._thinning(inside) / e.bore
-            tangent = state.x.take(index[3:6]) if moving else np.ones(3)
-            forward = float(velocity.dot(tangent)) / sqrt(tangent.dot(tangent))
-            # power of the reaction on the moving string, transferred to the mud
-            reaction = float(velocity.dot(velocity)) + 2 * jet * forward
-            lost += float(results[RESULTS["lost"]]) + 0.5 * f.density * flow * (speed**2 + reaction)
-            if not self.has_annulus:
-                leaving = 0.5 * f.density * flow * (jet**2 + reaction)
-                lost -= leaving
-                supplied -= flow * (float(f.enthalpy(outside)) - self._head(state)) + leaving
-        return Powers(lost, supplied)
-
     def results_of(self, steps) -> FloatArray:
-        """(k, 7) ``element_results`` after each of k recorded steps."""
+        """(k, 7) ``element_results`` after each of k steps."""
         return np.asarray(steps.sums(self._block, self._block.results_kernel, RESULTS.width))
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
@@ -405,46 +367,59 @@ class BitFlow(Component):
         )
 
     def powers_of(self, steps) -> tuple[Any, Any]:
-        if self.held_at is not None or not self.has_annulus:
-            return super().powers_of(steps)
+        """Losses in the nozzles and of the jet, which comes to rest under the bit.
+
+        Without an annulus, the energy of the jet counts as work done outside (manual: eq-mud-end-power).
+        """
         if not len(self._block.points):
             return 0.0, 0.0
-        e, f, block, results = self.end, self.fluid, self._block, self.results_of(steps)
-        index = steps.assembly.index_of(block)[0]
-        first = STRING_UNKNOWNS + int(self.has_link)
-        velocity, outside = steps.rates(index[:3]), steps.unknowns(index[first].item())
-        rising, thin = -steps.unknowns(index[first + 1].item()), np.exp(-outside / f.bulk_modulus)
-        forward = np.sum(velocity * steps.parameters(block, "tangent", 0), axis=1)
-        speed = forward - rising * thin / steps.parameters(block, "open", 0)
-        lost = -(0.5 * f.density * rising * speed**2)
+        e, f, results = self.end, self.fluid, self.results_of(steps)
+        inside, outside, rising = self._end_flow(steps)
+        if self.held_at is not None:
+            place, velocity, slope = self.held_at[-1:], np.zeros((1, 3)), np.ones((1, 3))
+        else:
+            index = steps.assembly.index_of(self._block)[0]
+            place, velocity = steps.unknowns(index[:3]), steps.rates(index[:3])
+            slope = steps.unknowns(index[3:6])
+        lost: Any = 0.0
+        supplied: Any = 0.0
+        if self.has_annulus:  # what enters the annulus starts from rest
+            forward = np.sum(velocity * steps.parameters(self._block, "tangent", 0), axis=1)
+            rise = rising * self._thinning(outside) / steps.parameters(self._block, "open", 0)
+            lost = -(0.5 * f.density * rising * (forward - rise) ** 2)
+            supplied = results[:, RESULTS["bottom"]]
         if self.has_link:
-            flow, inside = results[:, RESULTS["flow"]], steps.unknowns(index[STRING_UNKNOWNS].item())
-            jet = flow * thin / (e.nozzle or e.bore)
-            speed = flow * np.exp(-inside / f.bulk_modulus) / e.bore
-            tangent = steps.unknowns(index[3:6])
-            along = np.sum(velocity * tangent, axis=1) / np.sqrt(np.sum(tangent * tangent, axis=1))
-            reaction = np.sum(velocity * velocity, axis=1) + 2 * jet * along
+            flow = results[:, RESULTS["flow"]]
+            jet = flow * self._thinning(outside) / (e.nozzle or e.bore)
+            speed = flow * self._thinning(inside) / e.bore
+            forward = np.sum(velocity * slope, axis=1) / np.sqrt(np.sum(slope * slope, axis=1))
+            # power of the reaction on the moving string, transferred to the mud
+            reaction = np.sum(velocity * velocity, axis=1) + 2 * jet * forward
             lost = lost + results[:, RESULTS["lost"]] + 0.5 * f.density * flow * (speed**2 + reaction)
-        return lost, results[:, RESULTS["bottom"]]
+            if not self.has_annulus:
+                leaving = 0.5 * f.density * flow * (jet**2 + reaction)
+                head = f.density * (place @ f.gravity)
+                lost = lost - leaving
+                supplied = supplied - flow * (f.enthalpy(outside) - head) - leaving
+        return lost, supplied
 
-    def _end_flow(self, t: float, state) -> tuple[float, float, float]:
-        """Pressures in the lowest node of the bore and outside it [Pa], and the flow that rises from there in the annulus
-        [m3/s]; on the rank with the end."""
-        own = state.x[state.index_of(self._block)[0][0 if self.held_at is not None else STRING_UNKNOWNS :]]
-        inside = float(own[0]) if self.has_link else 0.0
-        if not self.has_annulus:
-            return inside, self.end.ambient.value(t), 0.0
+    def ambient_of(self, steps) -> FloatArray:
+        """(k,) pressure outside a lower end without an annulus [Pa]."""
+        return np.array([self.end.ambient.value(t) for t in steps.times])
+
+    def _end_flow(self, steps) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """(k,) each: pressures in the lowest node of the bore and outside it [Pa], and the flow that rises from there in the
+        annulus [m3/s]; on the rank with the end."""
         held = self.held_at is not None
-        rising = self.element_results(state)[RESULTS["flow"]] if held else -own[int(self.has_link) + 1]
-        return inside, float(own[int(self.has_link)]), float(rising)
+        own = steps.assembly.index_of(self._block)[0][0 if held else STRING_UNKNOWNS :].tolist()
+        none = np.zeros(len(steps))
+        inside = steps.unknowns(own[0]) if self.has_link else none
+        if not self.has_annulus:
+            return inside, self.ambient_of(steps), none
+        after = own[int(self.has_link) :]
+        rising = self.results_of(steps)[:, RESULTS["flow"]] if held else -steps.unknowns(after[1])
+        return inside, steps.unknowns(after[0]), rising
 
-    def _thinning(self, pressure: float) -> float:
+    def _thinning(self, pressure: FloatArray) -> FloatArray:
         """Ratio of the density at zero pressure to the density at ``pressure`` [Pa]."""
-        return float(np.exp(-pressure / self.fluid.bulk_modulus))
-
-    def _head(self, state) -> float:
-        """Density times gravity times depth of the last node [Pa], on the rank that has it; else 0."""
-        if not len(self._block.points):
-            return 0.0
-        place = state.x[state.index_of(self._block)[0][:3]] if self.held_at is None else self.held_at[-1]
-        return self.fluid.density * float(self.fluid.gravity @ place)
+        return np.asarray(np.exp(-pressure / self.fluid.bulk_modulus))

@@ -4,13 +4,12 @@ sec-mud).
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
+from drillpetsc.fem.component import ElementBlock
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.channel_flow import SPEED, ChannelFlow, FluidConstants
@@ -42,14 +41,8 @@ class BoreFlow(ChannelFlow):
         pump_pressure: TimeFunction | None = None,
         held_at: FloatArray | None = None,
     ):
-        super().__init__(mesh, fluid, held_at is not None)
-        self.bore, self.poisson, self.flow_rate, self.pump_pressure, self.held_at = (
-            bore,
-            poisson,
-            flow_rate,
-            pump_pressure,
-            held_at,
-        )
+        super().__init__(mesh, fluid, poisson, held_at)
+        self.bore, self.flow_rate, self.pump_pressure = bore, flow_rate, pump_pressure
         self._inertia: ElementBlock | None = None
 
     def parameters(self, e: np.ndarray) -> Table:
@@ -57,24 +50,14 @@ class BoreFlow(ChannelFlow):
 
     def _channel(self, e: np.ndarray) -> dict[str, FloatArray]:
         """Parameters of the elements ``e`` (k,) that do not depend on how the flow is discretised."""
-        m, b = self.mesh, self.bore
-        length, zero = m.length[e], np.zeros(len(e))
-        drop = head = zero
-        if self.held_at is not None:
-            length = length + m.rigid_above[e]
-            drop = (self.held_at[e + 1] - self.held_at[e]) @ self.fluid.gravity
-            head = 0.5 * (self.held_at[e + 1] + self.held_at[e]) @ self.fluid.gravity
+        b = self.bore
         return {
-            "length": length,
-            "rigid": m.rigid_above[e] if self.held_at is None else zero,
-            "poisson": self.poisson[e],
+            **self._along(e),
             "area": b.area[e],
             "area_above": b.area_above[e],
             "wall": b.wall[e],
             **b.friction(e),
             "diameter_above": b.diameter_above[e],
-            "drop": drop,
-            "head": head,
         }
 
     def _entry(self, e: np.ndarray) -> dict[str, FloatArray]:
@@ -124,14 +107,6 @@ class BoreFlow(ChannelFlow):
         slots = (("bore.flow", 0), ("bore.flow", 1))
         return ElementBlock("bore_flow_inertia", "joint_inertia", "cell", chosen, slots, (), params.array)
 
-    def energies(self, t: float, state) -> Energies:
-        energies = super().energies(t, state)
-        if self._inertia is None or not len(self._inertia.points):
-            return energies
-        above, joint = state.x[state.index_of(self._inertia)].T
-        shared = 0.5 * float(self._inertia.named["inertia"] @ (joint**2 - above**2))
-        return energies._replace(kinetic=energies.kinetic + shared)
-
     def _update_of(self, block: ElementBlock):
         pressure = self.pump_pressure
         if pressure is None or self._top is None or self._top[0] is not block:
@@ -147,28 +122,16 @@ class BoreFlow(ChannelFlow):
         given = self.flow_rate or self.pump_pressure
         return given.breaks() if given is not None else ()
 
-    def pumped(self, t: float, state) -> float | None:
-        """Return the flow rate into the string [m3/s] at ``t`` [s]; None on ranks without its top."""
-        if not self._is_top:
-            return None
-        return float(self.flow_rate.value(t)) if self.flow_rate is not None else self.upper_flow(state)
-
-    def powers(self, t: float, state) -> Powers:
-        supplied, flow = 0.0, self.pumped(t, state)
-        if flow is not None and self._top is not None:
-            speed = self._speed_in_top(state)
-            supplied = flow * (
-                float(self.fluid.enthalpy(self.upper_pressure(state)))
-                + 0.5 * self.fluid.density * (speed**2 - self._upper_speed(state) ** 2)
-                - self.fluid.density * float(self.fluid.gravity.dot(self._upper_place(state)))
-            )
-        return self._channel_powers(state, supplied)
-
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
-        return super().energies_of(steps) if self._inertia is None else Component.energies_of(self, steps)
+        kinetic, strain, potential = super().energies_of(steps)
+        if self._inertia is not None and len(self._inertia.points):
+            flows = steps.unknowns(steps.assembly.index_of(self._inertia).ravel())
+            above, joint = flows[:, ::2], flows[:, 1::2]
+            kinetic = kinetic + 0.5 * (joint**2 - above**2) @ self._inertia.named["inertia"]
+        return kinetic, strain, potential
 
     def pumped_of(self, steps) -> FloatArray | None:
-        """(k,) ``pumped`` after each of k recorded steps."""
+        """(k,) flow rate into the string [m3/s] after each of k steps; None on ranks without its top."""
         if not self._is_top:
             return None
         if self.flow_rate is None:
@@ -176,30 +139,14 @@ class BoreFlow(ChannelFlow):
         return np.array([float(self.flow_rate.value(t)) for t in steps.times])
 
     def powers_of(self, steps) -> tuple[Any, Any]:
-        if self.held_at is not None:
-            return Component.powers_of(self, steps)
         supplied: Any = 0.0
         flow = self.pumped_of(steps)
         if flow is not None and self._top is not None:
-            place = steps.assembly.layout.dofs["string.position"][0]
-            x, velocity, g = steps.unknowns(place), steps.rates(place), self.fluid.gravity
-            speed = self._top_result_of(steps, SPEED)
+            # the mud arrives at the upper node without momentum from outside
+            (place, velocity), speed = self._upper_motion_of(steps), self._top_result_of(steps, SPEED)
             supplied = flow * (
-                self.fluid.enthalpy(self._top_unknown_of(steps, -3))
+                self.fluid.enthalpy(self.upper_pressure_of(steps))
                 + 0.5 * self.fluid.density * (speed**2 - np.sum(velocity * velocity, axis=1))
-                - self.fluid.density * np.sum(x * g, axis=1)
+                - self.fluid.density * np.sum(place * self.fluid.gravity, axis=1)
             )
         return self._channel_powers_of(steps, supplied)
-
-    def _upper_speed(self, state) -> float:
-        """Speed of the upper node [m/s], on the rank that has it: the mud arrives there without momentum from outside."""
-        if self.held_at is not None:
-            return 0.0
-        velocity = state.y.take(state.layout.dofs["string.position"][0])
-        return sqrt(velocity.dot(velocity))
-
-    def _upper_place(self, state) -> FloatArray:
-        """(3,) position of the upper node [m], on the rank that has it."""
-        if self.held_at is not None:
-            return self.held_at[0]
-        return state.x.take(state.layout.dofs["string.position"][0])

@@ -14,7 +14,7 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
@@ -78,13 +78,18 @@ class FluidConstants:
 
 
 class ChannelFlow(Component):
-    """Elements of one channel; the subclass gives its name, kernel and parameters."""
+    """Elements of one channel; the subclass gives its name, kernel and parameters.
+
+    poisson: (n,) Poisson's ratio [-], 0 if stretch does not change the section (manual: eq-mud-narrowing).
+    held_at: (n+1, 3) positions of the nodes of a held string [m], None for a string that moves.
+    """
 
     name = ""
     spins: tuple[int, ...] = ()  # ends whose spin the kernel uses
 
-    def __init__(self, mesh, fluid: FluidConstants, held: bool = False):
-        self.mesh, self.fluid, self.held = mesh, fluid, held
+    def __init__(self, mesh, fluid: FluidConstants, poisson: FloatArray, held_at: FloatArray | None = None):
+        self.mesh, self.fluid, self.poisson = mesh, fluid, poisson
+        self.held_at, self.held = held_at, held_at is not None
         self._blocks: list[ElementBlock] = []
         self._places: tuple[Any, np.ndarray] | None = None  # of the pressures in a layout's unknowns
 
@@ -119,6 +124,16 @@ class ChannelFlow(Component):
     def parameters(self, e: np.ndarray) -> Table:
         """Parameters of the elements ``e`` (k,) (numbers from the top)."""
         raise NotImplementedError
+
+    def _along(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the elements ``e`` (k,) along the string: lengths, weight of the mud, narrowing."""
+        length, rigid, zero = self.mesh.length[e], self.mesh.rigid_above[e], np.zeros(len(e))
+        poisson = self.poisson[e]
+        if self.held_at is None:
+            return {"length": length, "rigid": rigid, "poisson": poisson, "drop": zero, "head": zero}
+        upper, lower = (self.held_at[e + end] @ self.fluid.gravity for end in (0, 1))
+        drop, head = lower - upper, 0.5 * (lower + upper)
+        return {"length": length + rigid, "rigid": zero, "poisson": poisson, "drop": drop, "head": head}
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         """Blocks of the local cells: below a junction or not, and across joints.
@@ -176,29 +191,12 @@ class ChannelFlow(Component):
     def _block_results(self, block: ElementBlock, state) -> BlockResults:
         return state.results(block, block.results_kernel, len(RESULT_NAMES))
 
-    def totals(self, state) -> list[float]:
-        """10 sums of ``element_results`` over the local elements; not to be changed."""
-        return state.evaluate_once(self._totals, state)
-
-    def _totals(self, state) -> list[float]:
-        first, *others = (self._block_results(b, state).sums for b in self._blocks)
-        total = first if not others else sum(others, first)
-        return total.tolist()
-
     def parameter(self, name: str) -> FloatArray:
         """Present values (nc, ...) of a parameter of the local elements, as the kernels' header names it."""
         out = np.zeros((len(self._part.cells), *self._blocks[0].named[name].shape[1:]))
         for b in self._blocks:
             out[b.points] = b.named[name]
         return out
-
-    def energies(self, t: float, state) -> Energies:
-        return Energies(*self.totals(state)[ENERGIES])
-
-    def _channel_powers(self, state, at_end: float) -> Powers:
-        """Powers of the channel [W], with the power ``at_end`` supplied at its upper end."""
-        total = self.totals(state)
-        return Powers(total[_DISSIPATED], at_end + total[_LEFT_OUT])
 
     def velocity_power(self, above: np.ndarray, below: np.ndarray, state) -> float:
         """Sum of q rho0 w^2/2 over cells ``above``, less the sum over cells ``below`` with their flow in the section above them.
@@ -226,7 +224,7 @@ class ChannelFlow(Component):
         return np.zeros(len(rows))
 
     def sums_of(self, steps) -> FloatArray:
-        """(k, 10) ``totals`` after each of k recorded steps."""
+        """(k, 10) sums of ``element_results`` over the local elements after each of k steps."""
         first, *others = (steps.sums(b, b.results_kernel, len(RESULT_NAMES)) for b in self._blocks)
         return np.asarray(sum(others, first))
 
@@ -234,6 +232,7 @@ class ChannelFlow(Component):
         return tuple(self.sums_of(steps)[:, ENERGIES].T)
 
     def _channel_powers_of(self, steps, at_end: Any) -> tuple[Any, Any]:
+        """Powers of the channel [W], with the power ``at_end`` supplied at its upper end."""
         total = self.sums_of(steps)
         return total[:, _DISSIPATED], at_end + total[:, _LEFT_OUT]
 
@@ -254,29 +253,22 @@ class ChannelFlow(Component):
         block, row = self._upper_element
         return np.asarray(steps.unknowns(steps.assembly.index_of(block).item(row, slot)))
 
+    def _upper_motion_of(self, steps) -> tuple[FloatArray, FloatArray]:
+        """Place [m] and velocity [m/s] of the upper node, (k, 3) each, on the rank that has it."""
+        if self.held_at is not None:
+            return self.held_at[:1], np.zeros((1, 3))
+        place = steps.assembly.layout.dofs["string.position"][0]
+        return steps.unknowns(place), steps.rates(place)
+
     def upper_pressure_of(self, steps) -> FloatArray:
-        """(k,) ``upper_pressure`` after each of k recorded steps."""
+        """(k,) pressure at the channel's upper end [Pa], on the rank with this end."""
         return self._top_unknown_of(steps, -3)
 
     def upper_flow_of(self, steps) -> FloatArray | None:
-        """(k,) ``upper_flow`` after each of k recorded steps."""
+        """(k,) flow rate into the channel's upper end from the mass balance [m3/s]; None on ranks without the end."""
         if self._top is None:
             return None
         return self._top_result_of(steps, _STORAGE_UPPER) + self._top_unknown_of(steps, -1)
-
-    def upper_flow(self, state) -> float | None:
-        """Compute the flow rate into the channel's upper end from the mass balance [m3/s].
-
-        None on ranks without the end.
-        """
-        if self._top is None:
-            return None
-        return state.evaluate_once(self._flow_into_top, state)
-
-    def _flow_into_top(self, state) -> float:
-        block, row = self._upper_element
-        storage = self._block_results(block, state).table.item(row, _STORAGE_UPPER)
-        return storage + state.x.item(state.index_of(block).item(row, -1))
 
     def flows(self, system) -> FloatArray:
         """Return the flow rates (nc,) in the local elements, towards the bit [m3/s]."""
@@ -286,12 +278,8 @@ class ChannelFlow(Component):
         """Return the pressures (nv,) at the local vertices [Pa]."""
         return np.asarray(system.assembly.x.take(self._pressure_places(system)))
 
-    def pressure_at(self, system, vertex: int) -> float:
-        """Pressure at one local vertex [Pa]."""
-        return float(system.assembly.x.item(self._pressure_places(system).item(vertex)))
-
     def pressure_at_of(self, steps, vertex: int) -> FloatArray:
-        """(k,) ``pressure_at``."""
+        """(k,) pressure at one local vertex [Pa]."""
         return np.asarray(steps.unknowns(steps.assembly.layout.dofs[f"{self.name}.pressure"].item(vertex, 0)))
 
     def pressure_places(self, system) -> np.ndarray | None:
@@ -304,24 +292,6 @@ class ChannelFlow(Component):
             self._places = system.layout, np.ascontiguousarray(dofs)
         return self._places[1]
 
-    def _speed_in_top(self, state) -> float:
-        """Speed of the flow in the uppermost element [m/s], on the rank with this end."""
-        block, row = self._upper_element
-        return float(self._block_results(block, state).table.item(row, SPEED))
-
-    def upper_pressure(self, state) -> float:
-        """Return the pressure at the channel's upper end [Pa], on the rank with this end."""
-        block, row = self._upper_element
-        return float(state.x.item(state.index_of(block).item(row, -3)))
-
-    def pumped(self, t: float, state: Any) -> float | None:
-        """Flow rate that the pump supplies [m3/s]; None on ranks without the upper end, and in an annulus."""
-        return None
-
-    def outflow(self, state: Any) -> float | None:
-        """Flow rate out of the flow line [m3/s]; None on ranks without the upper end, and in a bore."""
-        return None
-
     def lateral_sizes(self) -> FloatArray:
         """(nc, 2) outer diameter of the string and diameter of the hole [m] of the local elements; (0, 2) in a bore."""
         return np.zeros((0, 2))
@@ -331,19 +301,3 @@ class ChannelFlow(Component):
 
         added: (nc,) added over displaced mass [-]; damping: (nc,) [N s/m2].
         """
-
-    def content_above(self, state: Any) -> float:
-        """Volume between the upper node and the flow line [m3], up to a constant; 0 on ranks without the upper end."""
-        return 0.0
-
-    def pumped_of(self, steps: Any) -> FloatArray | None:
-        """(k,) ``pumped``."""
-        return None
-
-    def outflow_of(self, steps: Any) -> FloatArray | None:
-        """(k,) ``outflow``."""
-        return None
-
-    def content_above_of(self, steps: Any) -> Any:
-        """(k,) ``content_above``, or one number for all."""
-        return 0.0

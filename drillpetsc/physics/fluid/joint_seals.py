@@ -5,11 +5,12 @@ Manual: sec-mud-joints (kernels/fluid/joint_flow.hpp).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import Component, ElementBlock, Energies
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.beam import SLOTS
@@ -75,18 +76,18 @@ class JointSeals(Component):
 
     def element_results(self, state) -> FloatArray:
         """(k, 6) of the local joints with seals: columns of ``physics.fluid.joint_seals.SEAL_RESULTS``."""
-        return self._evaluated(state).table
+        return np.asarray(state.results(self._block, self._block.results_kernel, len(SEAL_RESULTS)).table)
 
-    def _evaluated(self, state) -> BlockResults:
-        return state.results(self._block, self._block.results_kernel, len(SEAL_RESULTS))
+    def _sums_of(self, steps) -> FloatArray:
+        return np.asarray(steps.sums(self._block, self._block.results_kernel, len(SEAL_RESULTS)))
 
-    def content(self, state) -> float:
-        """Volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
-        return float(self._evaluated(state).sums[_CONTENT].sum())
+    def content_of(self, steps) -> FloatArray:
+        """(k,) volume at zero pressure that the travel of the local joints adds to bore and annulus [m3]."""
+        return np.asarray(self._sums_of(steps)[:, _CONTENT].sum(axis=1))
 
-    def energies(self, t: float, state) -> Energies:
-        total = self._evaluated(state).sums
-        return Energies(strain=total.item(_STORED), potential=total.item(_POTENTIAL))
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        total = self._sums_of(steps)
+        return 0.0, total[:, _STORED], total[:, _POTENTIAL]
 
     def breaks(self) -> tuple[float, ...]:
         return () if self.annulus else self.ambient.breaks()

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import ClosestPoints, Well
 from drillpetsc.kernels import function, pointer
@@ -88,7 +88,7 @@ class MovingHole:
         lateral: Callable[[Annulus], LateralCoefficients],
         reamers: tuple[Reamer, ...] = (),
     ):
-        self.reamers, self.nodes = reamers, np.arange(mesh.nodes)
+        self.reamers = reamers
         self._reamed = [0.0] * len(reamers)  # of each reamer when all nodes were evaluated last [m]
         self.mesh, self.walls, self.current_well, self.lateral = mesh, walls, current_well, lateral
         self._hole = HoleVolume(current_well())
@@ -98,12 +98,16 @@ class MovingHole:
         #: hole, places (nv, 3) of the nodes' positions in the unknowns, position of each node at its depth and direction there (nv, 6)
         self._from: tuple[Well, np.ndarray, FloatArray] | None = None
         self._restored: FloatArray | None = None  # the last of them, from a checkpoint
-        self.depth = self.volume = self.area = self.ahead = self._ringed = np.zeros(0)
+        self.attach(np.arange(mesh.nodes), 0.0)
 
-    @property
-    def evaluated(self) -> bool:
-        """Whether the hole has been evaluated at the nodes."""
-        return len(self.depth) > 0
+    def attach(self, nodes: IntArray, area: float) -> None:
+        """Set the numbers of the local ``nodes`` (nv,), with the ``area`` [m2] that holds until they are evaluated."""
+        self.nodes = nodes
+        #: whether the hole has been evaluated at the nodes
+        self.evaluated = False
+        # filled in place: records of steps have their addresses
+        self.depth, self.volume, self.ahead, self._ringed = np.zeros((4, len(nodes)))
+        self.area = np.full(len(nodes), area)
 
     @property
     def hole(self) -> HoleVolume:
@@ -203,14 +207,8 @@ class MovingHole:
         the true volume.  Without ``keep`` all volumes are taken from the hole.
         """
         if not self.evaluated:
-            self.depth, (self.volume, self.area, self.ahead), keep = (
-                depths.copy(),
-                np.zeros((3, len(depths))),
-                False,
-            )
-            moved, self._ringed = np.ones(len(depths), dtype=bool), np.zeros(len(depths))
-        else:
-            moved = (np.abs(depths - self.depth) > REFRESH) | everywhere if where is None else where
+            self.depth[:], self.evaluated, keep, everywhere, where = depths, True, False, True, None
+        moved = (np.abs(depths - self.depth) > REFRESH) | everywhere if where is None else where
         if moved.any():
             hole, here = self.hole, depths[moved]
             way = (depths - self.depth if way is None else way)[moved]
@@ -276,8 +274,9 @@ class MovingHole:
 
     def set_state(self, saved: FloatArray) -> None:
         """Continue from the result of ``get_state``."""
-        self.depth, self.volume, self.area, self.ahead = np.array(saved.T[:4], order="C")
+        self.depth[:], self.volume[:], self.area[:], self.ahead[:] = saved.T[:4]
+        self.evaluated = True
         # anew from the present state, other nodes would be renewed, or at another step, than without the checkpoint
         self._from, self._restored = None, np.ascontiguousarray(saved[:, 4:10])
-        self._ringed = np.array(saved.T[10]) if self.reamers else np.zeros(len(self.depth))
+        self._ringed[:] = saved.T[10] if self.reamers else 0.0
         self._reamed = [float(row[0]) for row in saved.T[11:]]

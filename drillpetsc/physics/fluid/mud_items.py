@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Powers
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
@@ -124,15 +124,6 @@ class MudItems(Component):
         _axes(*self._axes_call)
 
     # ------------------------------------------------------------------ energy
-    def energies(self, t: float, state) -> Energies:
-        return Energies(kinetic=self._sum(state, "kinetic"))
-
-    def powers(self, t: float, state) -> Powers:
-        return Powers(self._sum(state, "dissipated"), self._sum(state, "left_out"))
-
-    def _sum(self, state, name: str) -> float:
-        return float(state.results(self._block, "mud_item_results", SIZE).sums[RESULTS[name]])
-
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         return steps.sums(self._block, "mud_item_results", SIZE)[:, RESULTS["kinetic"]], 0.0, 0.0
 

@@ -5,9 +5,12 @@ Kernel: kernels/fluid/bit_flow.hpp.  Manual: sec-reamer-mud.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from drillpetsc.fem.component import Component, ElementBlock, Powers
+from drillpetsc.arrays import FloatArray
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.kernels.parameters import Parameters
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.rigid_bodies import local_vertices
@@ -58,29 +61,27 @@ class ReamedRings(Component):
             out.append(block)
         return tuple(out)
 
-    def _state(self, reamer: Reamer, vertex: int, state) -> tuple[float, float, float]:
-        """Pressure [Pa] and head [Pa] of the mud at the reamer, and its rate [m/s]."""
-        dofs = state.layout.dofs
-        pressure = float(state.x[dofs["annulus.pressure"][vertex, 0]])
-        head = self.fluid.density * float(self.fluid.gravity @ state.x[dofs["string.position"][vertex]])
-        return pressure, head, float(state.y[dofs[reamer.depth_field][vertex, 0]])
+    def _mud_of(self, steps, reamer: Reamer, vertex: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Pressure [Pa] of the mud at the reamer, metres reamed per time [m/s], and mud that their rock becomes [m3/s at zero
+        pressure], (k,) each."""
+        dofs = steps.assembly.layout.dofs
+        pressure = steps.unknowns(dofs["annulus.pressure"].item(vertex, 0))
+        rate = steps.rates(dofs[reamer.depth_field].item(vertex, 0))
+        mud = reamer.ring * rate * np.exp(pressure / self.fluid.bulk_modulus)
+        return pressure, rate, mud if self.returned else 0.0 * mud
 
-    def cuttings(self, state) -> float:
-        """Rock that becomes mud [m3/s at zero pressure], on this rank."""
-        out = 0.0
-        for reamer, vertex in self._here if self.returned else ():
-            pressure, _, rate = self._state(reamer, vertex, state)
-            out += reamer.ring * rate * float(np.exp(pressure / self.fluid.bulk_modulus))
-        return out
+    def cuttings_of(self, steps) -> Any:
+        """(k,) rock that becomes mud [m3/s at zero pressure], on this rank."""
+        return sum(self._mud_of(steps, *here)[2] for here in self._here)
 
-    def powers(self, t: float, state) -> Powers:
+    def powers_of(self, steps) -> tuple[Any, Any]:
         """The rock yields to the pressure; cuttings bring their flow work and their height."""
-        supplied = 0.0
+        supplied: Any = 0.0
         for reamer, vertex in self._here:
-            pressure, head, rate = self._state(reamer, vertex, state)
+            pressure, rate, mud = self._mud_of(steps, reamer, vertex)
+            place = steps.unknowns(steps.assembly.layout.dofs["string.position"][vertex])
+            head = self.fluid.density * (place @ self.fluid.gravity)
             if reamer.node != self._last:  # the chamber at the bit counts the work on the rock below it
-                supplied -= pressure * reamer.ring * rate
-            if self.returned:
-                mud = reamer.ring * rate * float(np.exp(pressure / self.fluid.bulk_modulus))
-                supplied += mud * (float(self.fluid.enthalpy(pressure)) - head)
-        return Powers(supplied=supplied)
+                supplied = supplied - pressure * reamer.ring * rate
+            supplied = supplied + mud * (self.fluid.enthalpy(pressure) - head)
+        return 0.0, supplied

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import Component, ElementBlock, Energies, Field, Powers
+from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
+from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, Table, columns
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
@@ -138,21 +139,25 @@ class SideNozzles(Component):
     # ------------------------------------------------------------------ results
     def element_results(self, state) -> FloatArray:
         """(k, 4) of the local links: the columns of ``physics.fluid.side_nozzles.RESULTS``."""
-        return self._evaluated(state).table
+        return np.asarray(state.results(self._block, self._block.results_kernel, RESULTS.width).table)
 
-    def _evaluated(self, state) -> BlockResults:
-        return state.results(self._block, self._block.results_kernel, RESULTS.width)
+    def _sums_of(self, steps) -> FloatArray:
+        return np.asarray(steps.sums(self._block, self._block.results_kernel, RESULTS.width))
 
     def outflow(self, state) -> float:
         """Flow rate out of the string through the local links [m3/s]."""
-        return float(self._evaluated(state).sums.item(_FLOW))
+        return float(self.outflow_of(OneStep(state, 0.0))[0])
+
+    def outflow_of(self, steps) -> FloatArray:
+        """(k,) ``outflow`` after each of k steps."""
+        return self._sums_of(steps)[:, _FLOW]
 
     def local_links(self) -> tuple[int, ...]:
         """Numbers of the links at nodes of this rank, in the order of ``element_results``."""
         return self._chosen
 
-    def energies(self, t: float, state) -> Energies:
-        return Energies(kinetic=self._evaluated(state).sums.item(_KINETIC))
+    def energies_of(self, steps) -> tuple[Any, Any, Any]:
+        return self._sums_of(steps)[:, _KINETIC], 0.0, 0.0
 
     def powers(self, t: float, state) -> Powers:
         """Losses in the nozzles and of the jets, which come to rest beside the string.

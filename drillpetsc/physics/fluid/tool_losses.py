@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.bound_parts import BlockResults
-from drillpetsc.fem.component import Component, ElementBlock, Powers
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
@@ -86,17 +86,15 @@ class ToolLosses(Component):
         self._cells = part.cells
         return (self._block,)
 
-    def _evaluated(self, state) -> BlockResults:
-        return state.results(self._block, "tool_loss_results", RESULTS.width)
-
     def losses(self, state) -> FloatArray:
         """(nc,) losses in the local elements of the bore [Pa]."""
         out = np.zeros(len(self._cells))
-        np.add.at(out, self._block.points, self._evaluated(state).table[:, RESULTS["loss"]])
+        found = state.results(self._block, "tool_loss_results", RESULTS.width).table
+        np.add.at(out, self._block.points, found[:, RESULTS["loss"]])
         return out
 
-    def powers(self, t: float, state) -> Powers:
-        return Powers(dissipated=self._evaluated(state).sums.item(RESULTS["power"]))
+    def powers_of(self, steps) -> tuple[Any, Any]:
+        return steps.sums(self._block, "tool_loss_results", RESULTS.width)[:, RESULTS["power"]], 0.0
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def item_forces(model: DrillingModel) -> tuple[FloatArray, FloatArray] | None:
         return None
     system, sample = model.system, Sample(model.system, 0.0)
     cells, _ = sample.once(model.contact.element_results)
-    bodies = RigidItems(model).wall_results(sample)
+    bodies = RigidItems(model).wall_results(sample)[0]
     if system.comm.size > 1:
         bodies = system.comm.tompi4py().allreduce(bodies)
     whole = system.gather(cells, "cell")

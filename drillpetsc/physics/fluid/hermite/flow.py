@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import Component, ElementBlock, Field
+from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow, FluidConstants
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.fluid.moving_hole import MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -73,39 +73,9 @@ class Reference:
         return float(self.flow.rate(t, before=True) + late)
 
 
-def _fields(name: str, fluid: FluidConstants) -> tuple[Field, ...]:
-    return (
-        Field(f"{name}.volume", 1, physics="fluid", scale=VOLUME_SCALE),
-        Field(f"{name}.pressure", 1, physics="fluid", scale=fluid.usual_pressure),
-    )
-
-
-def _slots(name: str) -> tuple[tuple[str, int], ...]:
-    return tuple((f"{name}.{what}", end) for what in ("volume", "pressure") for end in (0, 1))
-
-
 def _heads(area: FloatArray) -> FloatArray:
     """Compute (1/A^2 - 1/A_0^2)/2 (n,) of each element [1/m4]."""
     return 0.5 * (1 / area**2 - 1 / area[0] ** 2)
-
-
-def _flows(component: ChannelFlow, system, reference: float) -> FloatArray:
-    """Compute the mean flow rates (nc,) of both ends of the local elements [m3/s]."""
-    rate = system.field(f"{component.name}.volume", "y")[:, 0]
-    return rate[system.chain.ends].mean(axis=1) + reference
-
-
-def _pressures(component: ChannelFlow, system, reference: float, heads: FloatArray) -> FloatArray:
-    """Compute the pressures (nv,) above the nodes [Pa]: the unknown minus the heads (n,) of the element above."""
-    flow = system.field(f"{component.name}.volume", "y")[:, 0] + reference
-    total = system.field(f"{component.name}.pressure")[:, 0]
-    return (
-        total
-        - component.fluid.density
-        * (1 - total / component.fluid.bulk_modulus)
-        * heads[np.maximum(system.chain.vertices - 1, 0)]
-        * flow**2
-    )
 
 
 def volumes_at_rest(
@@ -158,33 +128,78 @@ def _wait(block: ElementBlock) -> None:
     block.freezes = freezes
 
 
-class _OneByOne(ChannelFlow):
-    """Results after recorded steps, found one by one: pressures and flows are not unknowns in this form, or differ from the mixed form."""
+class _ByVolumes(ChannelFlow):
+    """Channel with volumes and pressures as unknowns.  The subclass gives ``reference``, its ``sign``, and ``heads``."""
 
-    def _computed(self, steps, what: str) -> FloatArray:
-        """(k,) of the method ``what`` of a state."""
-        call = getattr(self, what)
-        return np.asarray(steps.computed(lambda sample: call(sample.assembly), 1, id(self), what)[:, 0])
+    reference: Reference
+    heads: FloatArray
+    sign = 1.0
 
-    def upper_pressure_of(self, steps) -> FloatArray:
-        return self._computed(steps, "upper_pressure")
+    def _set_reference(self, pump: TimeFunction, section: FloatArray) -> None:
+        """Set the flow of the pump over time, and the section at rest (n,) [m2]."""
+        self.reference, self.content, self.heads = Reference(pump), section, _heads(section)
+        #: (1,) the reference flow at present [m3/s], in place: records of steps have its address
+        self._now = np.array([self.sign * self.reference.value(0.0)])
+
+    def fields(self) -> tuple[Field, ...]:
+        return (
+            Field(f"{self.name}.volume", 1, physics="fluid", scale=VOLUME_SCALE),
+            Field(f"{self.name}.pressure", 1, physics="fluid", scale=self.fluid.usual_pressure),
+        )
+
+    def own_slots(self) -> tuple[tuple[str, int], ...]:
+        return tuple((f"{self.name}.{what}", end) for what in ("volume", "pressure") for end in (0, 1))
+
+    @property
+    def kernel(self) -> str:
+        return f"hermite_{self.name}"
+
+    def _update_of(self, block: ElementBlock):
+        others = super()._update_of(block)
+        reference, surge = block.named["reference_flow"], block.named["surge"]
+
+        def update(t: float) -> None:
+            if others is not None:
+                others(t)
+            self._now[0] = self.sign * self.reference.value(t)
+            reference[:], surge[:] = self._now, self.sign * self.reference.rate(t)
+
+        return update
 
     def upper_flow_of(self, steps) -> FloatArray | None:
-        return None if self._top is None else self._computed(steps, "upper_flow")
+        if self._top is None:
+            return None
+        block, row = self._top
+        volume = steps.assembly.index_of(block).item(row, -4)
+        return np.asarray(steps.rates(volume) + steps.numbers(self._now, 0))
+
+    def flows(self, system) -> FloatArray:
+        """Mean flow rates (nc,) of both ends of the local elements [m3/s]."""
+        rate = system.field(f"{self.name}.volume", "y")[:, 0]
+        return np.asarray(rate[system.chain.ends].mean(axis=1) + self._now)
+
+    def pressures(self, system) -> FloatArray:
+        flow = system.field(f"{self.name}.volume", "y")[:, 0] + self._now
+        return self._pressure(system.field(f"{self.name}.pressure")[:, 0], flow, system.chain.vertices)
 
     def pressure_at_of(self, steps, vertex: int) -> FloatArray:
-        call = self.pressure_at
-        key = id(self), "pressure_at", vertex
-        return np.asarray(steps.computed(lambda sample: call(sample.system, vertex), 1, *key)[:, 0])
+        layout = steps.assembly.layout
+        volume, total = (
+            layout.dofs[f"{self.name}.{what}"].item(vertex, 0) for what in ("volume", "pressure")
+        )
+        flow = steps.rates(volume) + steps.numbers(self._now, 0)
+        return self._pressure(steps.unknowns(total), flow, layout.chain.vertices[vertex])
+
+    def _pressure(self, total: FloatArray, flow: FloatArray, vertices: Any) -> FloatArray:
+        """Pressures above nodes [Pa]: the unknown ``total`` minus the heads of the element above at the ``flow`` [m3/s]."""
+        head = self.fluid.density * self.heads[np.maximum(vertices - 1, 0)] * flow**2
+        return np.asarray(total - (1 - total / self.fluid.bulk_modulus) * head)
 
     def pressure_places(self, system) -> np.ndarray | None:
         return None
 
-    def powers_of(self, steps) -> tuple[Any, Any]:
-        return Component.powers_of(self, steps)
 
-
-class HermiteBore(_OneByOne, BoreFlow):
+class HermiteBore(_ByVolumes, BoreFlow):
     """Bore with a given flow of the pump.
 
     closed: the lower end is closed, and the volume there has the constant value ``kept`` [m3].
@@ -202,19 +217,8 @@ class HermiteBore(_OneByOne, BoreFlow):
         held_at: FloatArray | None = None,
     ):
         super().__init__(mesh, bore, fluid, poisson, flow_rate, None, held_at)
-        self.closed, self.reference, self.heads = closed, Reference(flow_rate), _heads(bore.area)
-        self._now, self.kept = self.reference.value(0.0), 0.0
-        self.content = bore.area  # (n,) section at rest [m2]
-
-    def fields(self) -> tuple[Field, ...]:
-        return _fields(self.name, self.fluid)
-
-    def own_slots(self) -> tuple[tuple[str, int], ...]:
-        return _slots(self.name)
-
-    @property
-    def kernel(self) -> str:
-        return "hermite_bore"
+        self.closed, self.kept = closed, 0.0
+        self._set_reference(flow_rate, bore.area)
 
     def parameters(self, e: np.ndarray) -> Table:
         return Parameters(
@@ -241,48 +245,23 @@ class HermiteBore(_OneByOne, BoreFlow):
         return blocks
 
     def _update_of(self, block: ElementBlock):
-        p = block.named
-        reference, surge, flow, pumped = (p[name] for name in ("reference_flow", "surge", "flow", "pumped"))
+        others, flow, pumped = super()._update_of(block), block.named["flow"], block.named["pumped"]
 
         def update(t: float) -> None:
-            self._now = self.reference.value(t)
-            reference[:], surge[:] = self._now, self.reference.rate(t)
-            flow[:] = self.flow_rate.value(t)  # type: ignore[union-attr]
-            pumped[:] = self.reference.behind(t)
+            others(t)
+            flow[:], pumped[:] = self.reference.flow.value(t), self.reference.behind(t)
 
         return update
 
-    def upper_flow(self, state) -> float | None:
-        if self._top is None:
-            return None
-        block, row = self._top
-        return float(state.y[state.index_of(block)[row, -4]]) + self._now
-
-    def pumped(self, t: float, state) -> float | None:
-        """Return the inflow by the formula of the time integrator [m3/s].
-
-        With which the mass balance is exact.
-        """
-        return self.upper_flow(state)
-
     def pumped_of(self, steps) -> FloatArray | None:
+        """The inflow by the formula of the time integrator [m3/s], with which the mass balance is exact."""
         return self.upper_flow_of(steps)
 
-    def upper_pressure(self, state) -> float:
-        block, row = self._upper_element
-        return float(state.x[state.index_of(block)[row, -2]])
-
-    def flows(self, system) -> FloatArray:
-        return _flows(self, system, self._now)
-
-    def pressures(self, system) -> FloatArray:
-        return _pressures(self, system, self._now, self.heads)
-
-    def pressure_at(self, system, vertex: int) -> float:
-        return float(self.pressures(system)[vertex])
+    def upper_pressure_of(self, steps) -> FloatArray:
+        return self._top_unknown_of(steps, -2)
 
 
-class HermiteAnnulus(_OneByOne, AnnulusFlow):
+class HermiteAnnulus(_ByVolumes, AnnulusFlow):
     """Annulus with the pump's flow upwards as reference flow.
 
     Its sizes keep their initial values: the pressure follows from the content of an element, and would jump
@@ -290,12 +269,11 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
     """
 
     resizes = False
+    sign = -1.0
 
     def __init__(self, *arguments, pump: TimeFunction):
         super().__init__(*arguments)
-        self.reference, self._now = Reference(pump), -pump.value(0.0)
-        self.content = self.annulus.hole - self.annulus.outer  # (n,) section at rest [m2]
-        self.heads = _heads(self.content)
+        self._set_reference(pump, self.annulus.hole - self.annulus.outer)
         self._turned_at: FloatArray | None = (
             None  # (nv, 3) nodes where the hole is evaluated during a run [m]
         )
@@ -303,16 +281,6 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
         depth, hole = np.append(m.upper - m.rigid_above, m.lower[-1:]), self.annulus.hole
         #: (n+1, 3) volume of hole that a node passes per length of its way [m2] (kernels/fluid/hermite/hermite_annulus.hpp)
         self.passed = np.append(hole, hole[-1:])[:, None] * self.well.at(depth)[1]
-
-    def fields(self) -> tuple[Field, ...]:
-        return _fields(self.name, self.fluid)
-
-    def own_slots(self) -> tuple[tuple[str, int], ...]:
-        return _slots(self.name)
-
-    @property
-    def kernel(self) -> str:
-        return "hermite_annulus"
 
     def parameters(self, e: np.ndarray) -> Table:
         return Parameters(
@@ -370,41 +338,14 @@ class HermiteAnnulus(_OneByOne, AnnulusFlow):
                 return np.array(b.named["tangent2"][rows[0]])
         return None
 
-    def _update_of(self, block: ElementBlock):
-        others = super()._update_of(block)
-        reference, surge = block.named["reference_flow"], block.named["surge"]
-
-        def update(t: float) -> None:
-            if others is not None:
-                others(t)
-            self._now = -self.reference.value(t)
-            reference[:], surge[:] = self._now, -self.reference.rate(t)
-
-        return update
-
     def _present_flow(self, state) -> tuple[IntArray, FloatArray]:
-        return np.zeros(len(self._part.cells), dtype=np.int32), np.array([self._now])
+        return np.zeros(len(self._part.cells), dtype=np.int32), self._now
 
-    def upper_flow(self, state) -> float | None:
-        if self._top is None:
-            return None
-        block, row = self._top
-        return float(state.y[state.index_of(block)[row, -4]]) + self._now
-
-    def upper_pressure(self, state) -> float:
-        """Return the given pressure at the upper end [Pa], which the unknown at the node meets only in the mean."""
+    def upper_pressure_of(self, steps) -> FloatArray:
+        """(k,) given pressure at the upper end [Pa], which the unknown at the node meets only in the mean."""
         block, row = self._upper_element
-        pressure = float(block.named["controlled"][row])
-        return pressure if self.held else pressure + self._upper_head(state)
-
-    def flows(self, system) -> FloatArray:
-        return _flows(self, system, self._now)
-
-    def pressures(self, system) -> FloatArray:
-        return _pressures(self, system, self._now, self.heads)
-
-    def pressure_at(self, system, vertex: int) -> float:
-        return float(self.pressures(system)[vertex])
+        pressure = np.asarray(steps.parameters(block, "controlled", row))
+        return pressure if self.held else pressure + self._upper_head_of(steps)
 
 
 class HermiteBit(BitFlow):
@@ -522,15 +463,12 @@ class HermiteBit(BitFlow):
 
     _moves_in_mud = False  # the kernel places the chamber's mud itself
 
-    def powers_of(self, steps) -> tuple[Any, Any]:
-        return Component.powers_of(self, steps)
-
-    def _end_flow(self, t: float, state) -> tuple[float, float, float]:
+    def _end_flow(self, steps) -> tuple[FloatArray, FloatArray, FloatArray]:
         """As for ``BitFlow``: the bore's pressure is not an unknown of the bit, and its mud has the density of the mud outside."""
-        outside = self.end.ambient.value(t)
+        outside = self.ambient_of(steps)
         if self.has_annulus:
-            outside = float(state.x[state.index_of(self._block)[0, -1]])
-        return outside, outside, float(self.element_results(state)[RESULTS["flow"]])
+            outside = steps.unknowns(steps.assembly.index_of(self._block).item(0, -1))
+        return outside, outside, self.results_of(steps)[:, RESULTS["flow"]]
 
     def _chamber_volume(self, gap: float) -> float:
         """Volume [m3] about the bit at a distance between its face and the hole's end [m]."""
