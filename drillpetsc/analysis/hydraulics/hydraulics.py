@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.blocks.well import Window
 from drillpetsc.case.case import Case
@@ -39,7 +37,7 @@ from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_h
 from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
@@ -48,7 +46,7 @@ from drillpetsc.output.files.run_folder import (
     PROFILE_TABLE,
     READINGS_TABLE,
 )
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.quantities.hydraulics import (
     DIAL_READINGS,
     FLOW_CURVE,
@@ -349,11 +347,7 @@ def run_hydraulics(
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = job.make_folder()
         summary = _summary(case, hydraulics, results).as_dict()
-        if job.comm.rank == 0:
-            folder.write_case(case)
-            _write(folder.path, case, results, curve, case.given_fluid.rheology)
-            write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, results, summary))
+    return job.result(folder, summary, _lines(case, results, summary), _tables(case, results, curve))
 
 
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
@@ -362,15 +356,6 @@ def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
     out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else value
-
-
-def _fit_cell(fit: rheology_fits.Fit, name: str) -> str | float:
-    value = getattr(fit, name)
-    return ("yes" if value else "no") if name == "used" else value
 
 
 def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
@@ -393,38 +378,33 @@ def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
     ]
 
 
-def _write(
-    path: Path, case: Case, results: list[FlowResult], curve: list[Numbers], rheology: Rheology
-) -> None:
-    rows = [(result.flow_rate, row) for result in results for row in result.rows]
+def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iterator[FileTable]:
+    """The files of all flow rates."""
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
-    columns = [
-        [rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name)) for rate, row in rows]
-        for q in LOSS_ROWS
+    rows = [
+        [
+            r.flow_rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name))
+            for q in LOSS_ROWS
+        ]
+        for r in results
+        for row in r.rows
     ]
-    write_table(path / LOSS_TABLE, LOSS_ROWS, columns)
+    yield LOSS_TABLE, LOSS_ROWS, rows
     if results[0].nozzles:
-        cells = [[row[q.name] for r in results for row in nozzle_rows(case, r)] for q in NOZZLES]
-        write_table(path / NOZZLE_TABLE, NOZZLES, cells)
-    profile = [
-        np.concatenate(
-            [
-                np.full(len(r.profile["md"]), r.flow_rate) if q.name == "pump_flow" else r.profile[q.name]
-                for r in results
-            ]
-        )
-        for q in PRESSURE_PROFILE
-    ]
-    write_table(path / PROFILE_TABLE, PRESSURE_PROFILE, profile)
+        yield NOZZLE_TABLE, NOZZLES, [row for r in results for row in nozzle_rows(case, r)]
+    profiles = ({**r.profile, "pump_flow": np.full(len(r.profile["md"]), r.flow_rate)} for r in results)
+    yield (
+        PROFILE_TABLE,
+        PRESSURE_PROFILE,
+        [row for p in profiles for row in zip(*(p[q.name] for q in PRESSURE_PROFILE), strict=True)],
+    )
+    rheology = case.given_fluid.rheology
     mud = rheology_fits.readings(rheology)
     if mud is not None:
-        columns = [mud.speed, mud.rate, mud.reading, mud.stress]
-        write_table(path / READINGS_TABLE, DIAL_READINGS, columns)
-        found = rheology_fits.fits(rheology)
-        words = [[_fit_cell(f, q.name) for f in found] for q in RHEOLOGY_FITS]
-        write_table(path / FITS_TABLE, RHEOLOGY_FITS, words)
-    table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
-    write_table(path / FLOW_CURVE_TABLE, FLOW_CURVE, table)
+        yield READINGS_TABLE, DIAL_READINGS, zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True)
+        fits = [vars(f) | {"used": "yes" if f.used else "no"} for f in rheology_fits.fits(rheology)]
+        yield FITS_TABLE, RHEOLOGY_FITS, fits
+    yield FLOW_CURVE_TABLE, FLOW_CURVE, curve
 
 
 def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
@@ -453,9 +433,7 @@ def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:
     """The rows of nozzles.csv under the key `nozzles`, with None for numbers that do not exist; nothing without side nozzles."""
     if not result.nozzles:
         return {}
-    rows = nozzle_rows(case, result)
-    plain = [{k: None if isinstance(v, float) and np.isnan(v) else v for k, v in row.items()} for row in rows]
-    return {"nozzles": plain}
+    return {"nozzles": plain(nozzle_rows(case, result))}
 
 
 def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list[str]:
@@ -496,13 +474,11 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
                 "  Open hole, limit passed: "
                 + "; ".join(lengths_shown(r.limited_by, summary["units"]) for r in block)
             )
-    lines += [f"  WARNING: {lengths_shown(w, summary['units'])}" for w in summary["warnings"]]
     return (
         lines
-        + _warnings_by_flow(results, summary["units"])
         + _nozzle_lines(case, results, summary["units"])
         + _mud_lines(case, summary["units"])
-        + [f"  note: {lengths_shown(note, summary['units'])}" for note in summary["notes"]]
+        + _warnings_by_flow(results, summary["units"])
     )
 
 

@@ -39,9 +39,9 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
-from drillpetsc.output import write_rows, write_summary, write_table
+from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
@@ -229,27 +229,25 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
-        summary = SurgeSummary(
+        found = SurgeSummary(
             title=case.title,
             units=case.shown_units,
             window=window_table(window),
             window_from=None if window is None else ("--window" if plan.window is not None else "case"),
             surge=[
-                {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
+                {q.name: row.value(q.name) for q in quantities} | {"warnings": list(row.warnings)}
                 for row in rows
             ],
-            max_trip_speed=[{k: _plain(v) for k, v in row.items()} for row in fastest],
-            open_pipe_by_area=[{k: _plain(v) for k, v in row.items()} for row in by_area],
+            max_trip_speed=fastest,
+            open_pipe_by_area=by_area,
             notes=notes,
-        ).as_dict()
-        if job.comm.rank == 0:
-            folder.write_case(case)
-            columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
-            write_table(folder.path / SURGE_TABLE, quantities, columns)
-            if fastest:
-                write_rows(folder.path / TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)
-            write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, rows, summary))
+        )
+    summary: dict[str, Any] = plain(found.as_dict())
+    tables: list[FileTable] = [
+        (SURGE_TABLE, quantities, [[row.value(q.name) for q in quantities] for row in rows])
+    ]
+    tables += [(TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)] if fastest else []
+    return job.result(folder, summary, _lines(case, rows, summary), tables)
 
 
 def _pump_rate(case: Case, plan: Trips, notes: list[str]) -> float:
@@ -379,15 +377,6 @@ def _distinct(warnings: list[str]) -> list[str]:
     return sorted(kept.values())
 
 
-def _plain(value: Any) -> Any:
-    """None for a number that does not exist, as JSON needs it."""
-    return None if isinstance(value, float) and np.isnan(value) else value
-
-
-def _cell(value: Any) -> Any:
-    return np.nan if value is None else value
-
-
 def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[str]:
     system = summary["units"]
     (d, depth), (v, speed), (p, pressure), (e, density) = (
@@ -433,8 +422,4 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         for found in summary["open_pipe_by_area"]
         if found["solver"] is not None
     ]
-    return (
-        lines
-        + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]
-        + [f"  note: {lengths_shown(note, system)}" for note in summary["notes"]]
-    )
+    return lines + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]

@@ -6,7 +6,6 @@ Manual: sec-response.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,8 +34,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
@@ -355,7 +353,6 @@ def run_response(
                     closed=closed,
                 )
             )
-            _write(case, folder.path, table)
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
         )
@@ -369,9 +366,8 @@ def run_response(
             static_solutions=states.solved,
             warnings=[*notes, *warnings],
         ).as_dict()
-        if comm.rank == 0:
-            write_summary(folder.summary, summary)
-    return job.noted(folder, summary, _lines(case, summary))
+    columns = (*RESPONSE, *(RESPONSE_STRESS if stress else ()))
+    return job.result(folder, summary, _lines(case, summary), [(RESPONSE_TABLE, columns, table)])
 
 
 def _load(
@@ -499,13 +495,6 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
             if row[k] > entry.get(column, (-1.0, 0.0))[0]:
                 entry[column] = (row[k], row[0])
     return list(peaks.values())
-
-
-def _write(case: Case, folder: Path, table: list[list[Any]]) -> None:
-    RunFolder(folder).write_case(case)
-    columns = [np.array(column) for column in zip(*table, strict=True)]
-    names = [q.column for q in (*RESPONSE, *RESPONSE_STRESS)][: len(columns)]
-    write_table(folder / RESPONSE_TABLE, names, columns)
 
 
 SHOWN = (
