@@ -47,17 +47,7 @@ from drillpetsc.output.files.run_folder import (
     READINGS_TABLE,
 )
 from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.hydraulics import (
-    DIAL_READINGS,
-    FLOW_CURVE,
-    HYDRAULICS_SUMMARY,
-    LEVELS,
-    LOSS_ROWS,
-    LOSSES,
-    NOZZLES,
-    PRESSURE_PROFILE,
-    RHEOLOGY_FITS,
-)
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -78,7 +68,7 @@ Numbers = dict[str, float | None]
 class FlowResult:
     """Steady flow at one flow rate.
 
-    flow_rate: [m3/s]; summary: values of HYDRAULICS_SUMMARY, None where absent; rows: of hydraulics.csv.
+    flow_rate: [m3/s]; summary: of summary.json, None where absent; rows: of hydraulics.csv.
     profile: columns of pressure_profile.csv, nan where absent.
     limited_by: limit of the window that is passed, `none`, or `-` without a window.
     nozzles: groups of nozzles, where there are any above the bit.
@@ -205,7 +195,7 @@ class Hydraulics:
     def _profile(self) -> dict[str, FloatArray]:
         flow = self.flow
         n = len(flow.md)
-        out = {q.name: np.full(n, np.nan) for q in PRESSURE_PROFILE if q.name != "pump_flow"}
+        out = {q.name: np.full(n, np.nan) for q in COLUMNS["pressure_profile"] if q.name != "pump_flow"}
         out["md"], out["tvd"] = flow.md, flow.tvd
         for name, column in (("bore", "internal"), ("annulus", "annulus")):
             pressure, component = flow.pressure(name), getattr(flow.fluid, name)
@@ -245,14 +235,14 @@ def flow_figures(
     end: float | None,
     window: OpenHole | None = None,
 ) -> Numbers:
-    """Values of HYDRAULICS_SUMMARY [SI] of a steady flow that is solved, None where absent.
+    """Figures of summary.json [SI] of a steady flow that is solved, None where absent.
 
     rate: of the pump [m3/s]; rows: its losses; shoe, end: measured depths of the last shoe and of the end of the hole [m].
     window: of the open hole.
     """
     case = flow.case
     sums = balance(flow)
-    out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
+    out: Numbers = {q.name: None for q in COLUMNS["hydraulics_summary"]}
     out |= {k: v for k, v in sums.items() if k in out}
     out["pump_flow"] = rate
     out["bit_pressure"] = flow.bottom_pressure()
@@ -353,7 +343,7 @@ def run_hydraulics(
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     flow = hydraulics.flow
     flow.solve(float(rate))
-    out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
+    out: Numbers = {q.name: None for q in COLUMNS["flow_curve"]} | balance(flow)
     out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
 
@@ -384,27 +374,35 @@ def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iter
     rows = [
         [
             r.flow_rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name))
-            for q in LOSS_ROWS
+            for q in COLUMNS["loss_rows"]
         ]
         for r in results
         for row in r.rows
     ]
-    yield LOSS_TABLE, LOSS_ROWS, rows
+    yield LOSS_TABLE, COLUMNS["loss_rows"], rows
     if results[0].nozzles:
-        yield NOZZLE_TABLE, NOZZLES, [row for r in results for row in nozzle_rows(case, r)]
+        yield NOZZLE_TABLE, COLUMNS["nozzles"], [row for r in results for row in nozzle_rows(case, r)]
     profiles = ({**r.profile, "pump_flow": np.full(len(r.profile["md"]), r.flow_rate)} for r in results)
     yield (
         PROFILE_TABLE,
-        PRESSURE_PROFILE,
-        [row for p in profiles for row in zip(*(p[q.name] for q in PRESSURE_PROFILE), strict=True)],
+        COLUMNS["pressure_profile"],
+        [
+            row
+            for p in profiles
+            for row in zip(*(p[q.name] for q in COLUMNS["pressure_profile"]), strict=True)
+        ],
     )
     rheology = case.given_fluid.rheology
     mud = rheology_fits.readings(rheology)
     if mud is not None:
-        yield READINGS_TABLE, DIAL_READINGS, zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True)
+        yield (
+            READINGS_TABLE,
+            COLUMNS["dial_readings"],
+            zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True),
+        )
         fits = [vars(f) | {"used": "yes" if f.used else "no"} for f in rheology_fits.fits(rheology)]
-        yield FITS_TABLE, RHEOLOGY_FITS, fits
-    yield FLOW_CURVE_TABLE, FLOW_CURVE, curve
+        yield FITS_TABLE, COLUMNS["rheology_fits"], fits
+    yield FLOW_CURVE_TABLE, COLUMNS["flow_curve"], curve
 
 
 def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
@@ -440,7 +438,7 @@ def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list
     """A line for each group of nozzles and flow rate; nothing without nozzles above the bit."""
     if not results[0].nozzles:
         return []
-    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in NOZZLES if q.name != "item"]
+    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in COLUMNS["nozzles"] if q.name != "item"]
     lines = [
         "  Nozzles: "
         + ", ".join(f"{q.label.lower()} [{unit}]" if unit else q.label.lower() for q, _, unit in shown)
@@ -462,9 +460,11 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
     ]
     for first in range(0, len(results), PER_BLOCK):
         block = results[first : first + PER_BLOCK]
-        for q in HYDRAULICS_SUMMARY:
+        for q in COLUMNS["hydraulics_summary"]:
             values = [result.summary[q.name] for result in block]
-            if all(value is None for value in values) or (q in (*LOSSES, *LEVELS) and not any(values)):
+            if all(value is None for value in values) or (
+                q in (*COLUMNS["losses"], *COLUMNS["levels"]) and not any(values)
+            ):
                 continue
             size, unit = shown_unit(q.name, q.unit, summary["units"])
             cells = "".join(f"{'-' if v is None else format(v / size, '.5g'):>10}" for v in values)

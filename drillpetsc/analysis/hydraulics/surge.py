@@ -43,7 +43,7 @@ from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
@@ -217,8 +217,8 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     flow = _pump_rate(case, plan, notes) if "pumping" in plan.pipes else 0.0
     top = whole_string(case).top
     notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
-    side = SIDE_SURGE if case.side_nozzles else ()
-    quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
+    side = COLUMNS["side_surge"] if case.side_nozzles else ()
+    quantities = (*COLUMNS["surge"], *side, *(COLUMNS["dynamic_surge"] if plan.dynamic else ()))
     fastest: list[dict[str, Any]] = []
     with options_of(case):
         whole = _string_from_rig(case)
@@ -246,7 +246,7 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     tables: list[FileTable] = [
         (SURGE_TABLE, quantities, [[row.value(q.name) for q in quantities] for row in rows])
     ]
-    tables += [(TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)] if fastest else []
+    tables += [(TRIP_SPEED_TABLE, COLUMNS["max_trip_speed"], fastest)] if fastest else []
     return job.result(folder, summary, _lines(case, rows, summary), tables)
 
 
@@ -360,7 +360,7 @@ def _fastest(
             except SolveError:
                 speed, limit = np.nan, FAILED
             values = (operation, pipe, string.depth, speed, limit)
-            out.append(dict(zip([q.name for q in MAX_TRIP_SPEED], values, strict=True)))
+            out.append(dict(zip([q.name for q in COLUMNS["max_trip_speed"]], values, strict=True)))
     return out
 
 

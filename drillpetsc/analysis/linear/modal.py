@@ -28,7 +28,7 @@ from drillpetsc.analysis.linear.frequency.stokes import (
     stokes_numbers,
 )
 from drillpetsc.analysis.linear.linearised_model import linearise_model, mean_over_turn, settle
-from drillpetsc.analysis.linear.modes import Modes
+from drillpetsc.analysis.linear.modes import KINDS, Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.time_scales import time_scales
@@ -50,9 +50,7 @@ from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
-from drillpetsc.output.quantities import MODE_KINDS as KINDS
-from drillpetsc.output.quantities import MODES
-from drillpetsc.output.quantities.modes import STOKES_NUMBER
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
@@ -437,7 +435,11 @@ def _table(found: Modes) -> FileTable:
     stokes = [] if found.stokes_number is None else [found.stokes_number]
     columns = [range(1, found.count + 1), found.frequency, 60 * found.frequency, found.damping_ratio]
     columns += [found.growth, found.kind, *found.share.T, found.error, *stokes]
-    return "modes.csv", (*MODES, *([STOKES_NUMBER] if stokes else [])), zip(*columns, strict=True)
+    return (
+        "modes.csv",
+        (*COLUMNS["modes"], *(COLUMNS["stokes_number"] if stokes else ())),
+        zip(*columns, strict=True),
+    )
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, fields) -> None:

@@ -30,7 +30,7 @@ from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 
@@ -101,7 +101,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         warnings=warnings,
         notes=notes,
     ).as_dict()
-    tables = [(SENSITIVITIES_TABLE, SENSITIVITIES, rows)]
+    tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
     return job.result(job.make_folder(), summary, _lines(case, found, compared, summary), tables)
 
 

@@ -26,7 +26,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.sensitivities import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.output.summaries.sensitivities import UncertainSummary
 
@@ -98,9 +98,9 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         notes=[*notes, *response.notes, *doubts_at(drawn, "remark")],
     ).as_dict()
     tables = (
-        (UNCERTAIN_TABLE, UNCERTAIN, rows),
-        (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),
-        (UNCERTAIN_SHARES_TABLE, UNCERTAIN_SHARES, shares),
+        (UNCERTAIN_TABLE, COLUMNS["uncertain"], rows),
+        (UNCERTAIN_LIMITS_TABLE, COLUMNS["uncertain_limits"], limits),
+        (UNCERTAIN_SHARES_TABLE, COLUMNS["uncertain_shares"], shares),
     )
     lines = _lines(case, named, outputs, found, question, summary, limits)
     return job.result(job.make_folder(), summary, lines, tables)

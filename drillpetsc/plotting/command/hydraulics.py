@@ -16,7 +16,7 @@ from drillpetsc.output.files.run_folder import (
     TRIP_SPEED_TABLE,
 )
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.plotting import style
 from drillpetsc.plotting.source import Pictures, Source, Table
@@ -93,7 +93,7 @@ def _losses(at: Source) -> Any:
     up, down = np.zeros(len(flows)), np.zeros(len(flows))
     largest = max(abs(row["pump_pressure"]) for row in flows) / pressure.size
     colors = (*LINE_COLORS[:2], "#2b8f8f", *LINE_COLORS[2:], "#7f7f7f")
-    for q, color in zip((*LOSSES, *LEVELS), colors, strict=True):
+    for q, color in zip((*COLUMNS["losses"], *COLUMNS["levels"]), colors, strict=True):
         values = np.array([row.get(q.name) or 0.0 for row in flows]) / pressure.size
         if not (np.abs(values) > 1e-3 * largest).any():
             continue

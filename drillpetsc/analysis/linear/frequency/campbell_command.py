@@ -32,7 +32,7 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import CampbellSummary
 from drillpetsc.output.summaries.summary import MISSING
 
@@ -145,12 +145,12 @@ def run_campbell(
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
     summary = _summary(case, found, sought, states, frequency).as_dict()
     tables: list[FileTable] = [
-        (CAMPBELL_TABLE, CAMPBELL, _campbell_rows(found)),
-        (CRITICAL_TABLE, CRITICAL, _critical_rows(found, summary["case_speed"])),
+        (CAMPBELL_TABLE, COLUMNS["campbell"], _campbell_rows(found)),
+        (CRITICAL_TABLE, COLUMNS["critical"], _critical_rows(found, summary["case_speed"])),
     ]
     shown = _lines(case, found, summary)
     if stiffness:
-        tables.append((CRITICAL_MAP_TABLE, CRITICAL_MAP, map_rows(by_wall)))
+        tables.append((CRITICAL_MAP_TABLE, COLUMNS["critical_map"], map_rows(by_wall)))
         said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
         shown.append(said)
     return job.result(folder, summary, shown, tables)

@@ -30,7 +30,7 @@ from drillpetsc.output.files.run_folder import (
 )
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import StabilitySummary
 from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import display_unit
@@ -197,10 +197,10 @@ def run_stability(
     ends = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
     did = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
     tables: list[FileTable] = [
-        (STABILITY_TABLE, STABILITY_MAP, rows),
-        (BOUNDARY_TABLE, STABILITY_BOUNDARY, ends),
+        (STABILITY_TABLE, COLUMNS["stability_map"], rows),
+        (BOUNDARY_TABLE, COLUMNS["stability_boundary"], ends),
     ]
-    tables += [(STABILITY_RUNS_TABLE, STABILITY_RUNS, did)] if runs else []
+    tables += [(STABILITY_RUNS_TABLE, COLUMNS["stability_runs"], did)] if runs else []
     return job.result(folder, summary, _lines(case, points, edges, summary), tables)
 
 

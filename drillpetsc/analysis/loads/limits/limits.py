@@ -47,7 +47,7 @@ from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling
@@ -147,9 +147,9 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             ).as_dict()
             answer = summary
-            present = [q for q in LIMITS if q.name in table]
+            present = [q for q in COLUMNS["limits"] if q.name in table]
             rows_present = zip(*(table[q.name] for q in present), strict=True)
-            tables = [(LIMITS_TABLE, present, rows_present), (CONTACTS_TABLE, CONTACTS, contacts)]
+            tables = [(LIMITS_TABLE, present, rows_present), (CONTACTS_TABLE, COLUMNS["contacts"], contacts)]
         summary = comm.tompi4py().bcast(answer)
     return job.result(folder, summary, _lines(given, summary, units), tables)
 

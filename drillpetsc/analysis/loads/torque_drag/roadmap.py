@@ -59,7 +59,7 @@ from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, plain
 
@@ -315,8 +315,8 @@ def run_roadmap(
         "hook_load_reading": sensor == Sensor(),
         "ff_groups": not asked.pairs[0].groups,
     }
-    tables: list[FileTable] = [] if table is None else [(MEASURED_TABLE, BESIDE, table.rows)]
-    tables.append((ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows))
+    tables: list[FileTable] = [] if table is None else [(MEASURED_TABLE, COLUMNS["beside"], table.rows)]
+    tables.append((ROADMAP_TABLE, [q for q in COLUMNS["roadmap"] if not absent.get(q.name, False)], rows))
     if job.comm.rank == 0:
         write_summary(
             folder.path / ROADMAP_FILE,
