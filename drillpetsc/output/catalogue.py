@@ -11,16 +11,8 @@ from functools import cache
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
 from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import (
-    frequency,
-    hydraulics,
-    limits,
-    sensitivities,
-    sensors,
-    torque_drag,
-    vibration,
-)
-from drillpetsc.output.quantities.modes import STOKES_NUMBER
+from drillpetsc.output.quantities import sensors
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 from drillpetsc.unit_systems import System
@@ -95,11 +87,11 @@ def _of_motion() -> dict[str, tuple[Listed, ...]]:
             *_listed((*sensors.MOTIONS, sensors.SPIN_ACCELERATION), f"{where.CHANNEL}, {where.INDICES}"),
         ),
         "indices.csv": (
-            *_listed((measured.TIME, vibration.WINDOW)),
-            *_listed(vibration.ROTATION, where.STRING),
-            *_listed(vibration.DRILLING, where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
-            *_listed(vibration.WHIRL, "probes and a hole"),
-            *_listed(vibration.OF_SENSOR, where.SENSOR),
+            *_listed((measured.TIME, *COLUMNS["window"])),
+            *_listed(COLUMNS["rotation"], where.STRING),
+            *_listed(COLUMNS["drilling"], where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
+            *_listed(COLUMNS["whirl"], "probes and a hole"),
+            *_listed(COLUMNS["of_sensor"], where.SENSOR),
         ),
     }
 
@@ -163,44 +155,44 @@ def _of_states() -> dict[str, tuple[Listed, ...]]:
 def _of_commands() -> dict[str, tuple[Listed, ...]]:
     """Files of the other commands."""
     return {
-        "modes.csv": (*_listed(measured.MODES), *_listed((STOKES_NUMBER,), where.STOKES)),
-        "campbell.csv": _listed(frequency.CAMPBELL),
-        "critical.csv": _listed(frequency.CRITICAL),
-        "critical_map.csv": _listed(frequency.CRITICAL_MAP, where.STIFFNESS),
-        "stability_map.csv": _listed(frequency.STABILITY_MAP),
-        "stability_boundary.csv": _listed(frequency.STABILITY_BOUNDARY),
-        "stability_runs.csv": _listed(frequency.STABILITY_RUNS),
-        "response.csv": (*_listed(frequency.RESPONSE), *_listed(frequency.RESPONSE_STRESS, where.STRESS)),
-        "reflection.csv": _listed(frequency.REFLECTION),
-        "trajectory.csv": _listed(measured.TRAJECTORY),
-        "hydraulics.csv": _listed(hydraulics.LOSS_ROWS),
-        "nozzles.csv": _listed(hydraulics.NOZZLES, where.SIDE_NOZZLES),
-        "pressure_profile.csv": _listed(hydraulics.PRESSURE_PROFILE),
-        "flow_curve.csv": _listed(hydraulics.FLOW_CURVE),
-        "dial_readings.csv": _listed(hydraulics.DIAL_READINGS, where.DIAL),
-        "rheology_fits.csv": _listed(hydraulics.RHEOLOGY_FITS, where.DIAL),
-        "summary.json of hydraulics": _listed(hydraulics.HYDRAULICS_SUMMARY),
+        "modes.csv": (*_listed(COLUMNS["modes"]), *_listed(COLUMNS["stokes_number"], where.STOKES)),
+        "campbell.csv": _listed(COLUMNS["campbell"]),
+        "critical.csv": _listed(COLUMNS["critical"]),
+        "critical_map.csv": _listed(COLUMNS["critical_map"], where.STIFFNESS),
+        "stability_map.csv": _listed(COLUMNS["stability_map"]),
+        "stability_boundary.csv": _listed(COLUMNS["stability_boundary"]),
+        "stability_runs.csv": _listed(COLUMNS["stability_runs"]),
+        "response.csv": (*_listed(COLUMNS["response"]), *_listed(COLUMNS["response_stress"], where.STRESS)),
+        "reflection.csv": _listed(COLUMNS["reflection"]),
+        "trajectory.csv": _listed(COLUMNS["trajectory"]),
+        "hydraulics.csv": _listed(COLUMNS["loss_rows"]),
+        "nozzles.csv": _listed(COLUMNS["nozzles"], where.SIDE_NOZZLES),
+        "pressure_profile.csv": _listed(COLUMNS["pressure_profile"]),
+        "flow_curve.csv": _listed(COLUMNS["flow_curve"]),
+        "dial_readings.csv": _listed(COLUMNS["dial_readings"], where.DIAL),
+        "rheology_fits.csv": _listed(COLUMNS["rheology_fits"], where.DIAL),
+        "summary.json of hydraulics": _listed(COLUMNS["hydraulics_summary"]),
         "surge.csv": _listed(
-            (*hydraulics.SURGE, *hydraulics.SIDE_SURGE, *hydraulics.DYNAMIC_SURGE),
+            (*COLUMNS["surge"], *COLUMNS["side_surge"], *COLUMNS["dynamic_surge"]),
             side_flow=where.SIDE_NOZZLES,
         ),
-        "max_trip_speed.csv": _listed(hydraulics.MAX_TRIP_SPEED),
-        "calibration.csv": _listed(torque_drag.MEASURED),
-        "calibration_series.csv": _listed((measured.TIME, *torque_drag.CALIBRATION_SERIES)),
-        "measured.csv": _listed(torque_drag.BESIDE),
+        "max_trip_speed.csv": _listed(COLUMNS["max_trip_speed"]),
+        "calibration.csv": _listed(COLUMNS["measured"]),
+        "calibration_series.csv": _listed((measured.TIME, *COLUMNS["calibration_series"])),
+        "measured.csv": _listed(COLUMNS["beside"]),
         "roadmap.csv": _listed(
-            torque_drag.ROADMAP,
+            COLUMNS["roadmap"],
             hook_load_total=where.BLOCK,
             hook_load_reading=where.DEAD_LINE,
             ff_groups=where.GROUPS,
         ),
-        "sensitivities.csv": _listed(sensitivities.SENSITIVITIES),
-        "sensitivities_history.csv": _listed((measured.TIME, *sensitivities.SENSITIVITIES_OVER_TIME)),
-        "uncertain.csv": _listed(sensitivities.UNCERTAIN),
-        "uncertain_limits.csv": _listed(sensitivities.UNCERTAIN_LIMITS),
-        "uncertain_shares.csv": _listed(sensitivities.UNCERTAIN_SHARES),
-        "limits.csv": _listed(limits.LIMITS, damage_per_hour="with `--sn`"),
-        "contacts.csv": _listed(limits.CONTACTS),
+        "sensitivities.csv": _listed(COLUMNS["sensitivities"]),
+        "sensitivities_history.csv": _listed((measured.TIME, *COLUMNS["sensitivities_over_time"])),
+        "uncertain.csv": _listed(COLUMNS["uncertain"]),
+        "uncertain_limits.csv": _listed(COLUMNS["uncertain_limits"]),
+        "uncertain_shares.csv": _listed(COLUMNS["uncertain_shares"]),
+        "limits.csv": _listed(COLUMNS["limits"], damage_per_hour="with `--sn`"),
+        "contacts.csv": _listed(COLUMNS["contacts"]),
     }
 
 

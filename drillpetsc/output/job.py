@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from drillpetsc.case.case import Case
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output.files.json_file import write_summary
 from drillpetsc.output.files.run_folder import RunFolder, make_folder
+from drillpetsc.output.files.tables import Column, Row, write_rows
+from drillpetsc.output.shown_units import lengths_shown
+
+FileTable = tuple[str, Sequence[Column | Quantity], Iterable[Row]]  # name of a file, its columns, its rows
 
 
 @dataclass
@@ -51,15 +58,25 @@ class Job:
         """Make the run folder; collective.  A computation does so when nothing can be refused any more."""
         return make_folder(self.comm, self.name, self.out, False, self.overwrite)
 
-    def result(self, folder: RunFolder, summary: dict[str, Any], lines: list[str]) -> RunResult:
-        """The result in a run folder; the last line for the screen says how it is drawn again."""
-        plot = f"scripts/drillpetsc plot {shlex.quote(str(folder.path))}"
-        return RunResult(folder.path, summary, [*lines, f"  results: {folder.path}   ({plot})"])
+    def result(
+        self, folder: RunFolder, summary: dict[str, Any], lines: list[str], tables: Iterable[FileTable] = ()
+    ) -> RunResult:
+        """Write case, tables and summary on the first rank, and return the result.
 
-    def noted(self, folder: RunFolder, summary: dict[str, Any], lines: list[str]) -> RunResult:
-        """The result in a run folder; the last lines for the screen are its warnings, as notes, and the folder."""
-        notes = (f"  note: {text}" for text in summary["warnings"])
-        return RunResult(folder.path, summary, [*lines, *notes, f"  results: {folder.path}"])
+        The last lines for the screen are warnings and notes of the summary, the folder, and how it is drawn again.  Without notes of
+        its own, a summary has them among its warnings.
+        """
+        if self.comm.rank == 0:
+            folder.write_case(self.case)  # as the user has it; the summary has the operation
+            for name, quantities, rows in tables:
+                write_rows(folder.path / name, quantities, rows)
+            write_summary(folder.summary, summary)
+        word = "WARNING" if "notes" in summary else "note"
+        said = [(word, text) for text in summary.get("warnings", ())]
+        said += [("note", text) for text in summary.get("notes", ())]
+        told = [f"  {word}: {lengths_shown(text, self.case.shown_units)}" for word, text in said]
+        plot = f"scripts/drillpetsc plot {shlex.quote(str(folder.path))}"
+        return RunResult(folder.path, summary, [*lines, *told, f"  results: {folder.path}   ({plot})"])
 
     def of(self, case: Case) -> Job:
         """The same job on another case."""

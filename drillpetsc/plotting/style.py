@@ -87,7 +87,7 @@ def display_unit(title: str, values: Any) -> tuple[float, str]:
 
 def depth_unit() -> tuple[float, str]:
     """How to show depths and distances: (divide by, unit text)."""
-    size, _, text = unit_in("length", UNITS.get() or "metric")
+    size, _, text = unit_in("length", system())
     return size, text
 
 
@@ -126,6 +126,18 @@ def in_units(system: System | None) -> Iterator[None]:
         UNITS.reset(token)
 
 
+@contextmanager
+def of_case(case: Path, system: System | None = None) -> Iterator[None]:
+    """Draw in this style, in a system of units; None: that of the case of a run."""
+    with in_units(system or units_of_run(case)), look():
+        yield
+
+
+def system() -> System:
+    """Unit system of the picture; metric by default."""
+    return UNITS.get() or "metric"
+
+
 def units_of_run(case: Path) -> System | None:
     """Unit system of the case of a run for plots; None if it has none.
 
@@ -138,7 +150,7 @@ def units_of_run(case: Path) -> System | None:
 def words(title: str) -> str:
     """ "surface_torque [N m]" as a label: "Surface torque"."""
     name, _ = split_name(title)
-    return catalogue.label(name, UNITS.get() or "metric") or name.replace("_", " ").capitalize()
+    return catalogue.label(name, system()) or name.replace("_", " ").capitalize()
 
 
 def label(title: str, unit: str) -> str:

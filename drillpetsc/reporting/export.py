@@ -23,7 +23,6 @@ from drillpetsc.case.key_paths import suggestion
 from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.atomic import replace_file
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
@@ -70,7 +69,7 @@ def export(
     system: System = units or units_of_run(folder.case) or "metric"
     tables, remarks = _chosen(_tables(folder.path), columns), list[str]()
     into = Path(out) if out is not None else folder.path / "export"
-    summary = read_summary(folder.summary) if folder.summary.is_file() else {}
+    summary = folder.read_summary()
     title = str(summary.get("title") or folder.path.resolve().name)
     contents: dict[str, bytes] = {}
     if format == "xlsx":

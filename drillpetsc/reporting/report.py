@@ -141,12 +141,8 @@ def html(source: Source, system: System, wanted: Sequence[str], interactive: boo
     )
     case = source.case
     title = case.title or source.file.stem
-    token = style.UNITS.set(system)
-    try:
-        with style.look(), pictures_that_zoom(interactive):
-            parts = _sections(source, system, wanted, title)
-    finally:
-        style.UNITS.reset(token)
+    with style.in_units(system), style.look(), pictures_that_zoom(interactive):
+        parts = _sections(source, system, wanted, title)
     return environment.get_template("template.html").render(
         title=title,
         version=__version__,

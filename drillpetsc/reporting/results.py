@@ -11,7 +11,6 @@ import numpy as np
 
 from drillpetsc.case.blocks.well import OTHER_FITS
 from drillpetsc.output import catalogue
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.shown_units import key_unit
@@ -116,8 +115,7 @@ class Run:
     def open(cls, path: Path) -> Run:
         """A run folder with its summary, empty if it has none."""
         folder = RunFolder.open(path)
-        summary = read_summary(folder.summary) if folder.summary.is_file() else {}
-        return cls(folder, path.resolve().name, summary)
+        return cls(folder, path.resolve().name, folder.read_summary())
 
     def has(self, kind: Kind) -> bool:
         """Whether the folder holds results of a kind."""
@@ -203,11 +201,8 @@ def result_sections(
 
 def _pictures(run: Run, system: System) -> dict[str, Any]:
     """Figures of a folder by name, without figures of the well."""
-    token = style.UNITS.set(system)
-    try:
+    with style.in_units(system):
         drawn = drawings(run.folder, system)
-    finally:
-        style.UNITS.reset(token)
     return {name: figure for name, figure in drawn.items() if name not in OF_THE_WELL}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.quantities import STATIC_SUMMARY
-from drillpetsc.output.quantities.hydraulics import HYDRAULICS_SUMMARY
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.results.datasets import Table
 from drillpetsc.results.described import in_system, quantity_of
@@ -89,7 +89,7 @@ def _fitted(summary: Mapping[str, Any]) -> list[list[str]]:
 def _flows(summary: Mapping[str, Any], system: System) -> Rows:
     flows = summary.get("flows", ())
     rows = []
-    for q in HYDRAULICS_SUMMARY:
+    for q in COLUMNS["hydraulics_summary"]:
         values = [flow.get(q.name) for flow in flows]
         if not all(isinstance(value, int | float) or value is None for value in values):
             continue

@@ -451,8 +451,7 @@ def open_run(folder: str | Path) -> Result:
     path = Path(folder)
     if not path.is_dir():
         raise CaseError(at="folder", got=folder, want="a run folder that exists")
-    summary = RunFolder(path).summary
-    result = Result(path, read_summary(summary) if summary.is_file() else {})
+    result = Result(path, RunFolder(path).read_summary())
     if not result.summary and not result._files():
         raise CaseError(at="folder", got=folder, want="a run folder with tables or a summary.json")
     return result

@@ -11,7 +11,7 @@ from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case.catalogue.sizes import LBF
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
-from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
+from drillpetsc.plotting.run.plot import figures
 from tests.verification.test_roadmap_command import PIPE, case
 
 FT_LBF = 0.3048 * LBF
@@ -73,19 +73,14 @@ def test_the_pipe_at_the_rig_changes_with_the_depth(tmp_path):
     "plan", [{}, {"bit_depth": [2000]}, {"bit_depth": [2000], "operations": ["trip_in"]}]
 )
 def test_what_is_not_known_has_no_line(plan, tmp_path):
-    """A plain tube has neither figure; pictures are drawn for one depth, without torque, and of a folder of an older version."""
+    """A plain tube has neither figure; pictures are drawn for one depth and without torque."""
     result, lines = run(tmp_path, PIPE, **plan)
     assert set(lines["make_up_torque [N m]"] + lines["torque_at_yield [N m]"]) == {None}
     for item, name in ((PIPE, "pipe"), (DRILL_PIPE | {"tool_joint": {"make_up_torque": 20e3}}, "drill pipe")):
         result, _ = run(tmp_path / name, item, **plan)
-        drawing = torque_drag_drawers(result.folder, "t", "metric")["roadmap_torque"]()
+        drawing = figures(result.folder, "metric").get("roadmap_torque")
         if "operations" in plan:
             assert drawing is None
             continue
         words = " ".join(t.get_text() for t in drawing.axes[0].get_legend().get_texts())
         assert ("pipe at the rig" in words) == (item is not PIPE)
-    file = result.folder / "roadmap.json"
-    old = json.loads(file.read_text())
-    del old["torque_lines"]
-    file.write_text(json.dumps(old))
-    torque_drag_drawers(result.folder, "t", "metric")["roadmap_torque"]()

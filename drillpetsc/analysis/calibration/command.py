@@ -21,7 +21,6 @@ from drillpetsc.analysis.calibration.of_runs import (
 from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_SERIES
 from drillpetsc.output.job import Job, RunResult
 
@@ -64,13 +63,9 @@ def run_calibrate_log(
         "warnings": [*undetermined(work, fit), *_unexplained(log, misfit), *_steps(work, fit)],
         "notes": list(log.notes),
     }
-    folder = job.make_folder()
-    if job.comm.rank == 0:
-        folder.write_case(case)
-        titles, columns = _table(work, fit, described)
-        write_table(folder.path / CALIBRATION_SERIES, titles, columns)
-        write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(work, fit, summary, further))
+    titles, columns = _table(work, fit, described)
+    tables = [(CALIBRATION_SERIES, titles, zip(*columns, strict=True))]
+    return job.result(job.make_folder(), summary, _lines(work, fit, summary, further), tables)
 
 
 def _table(work: RunCalibration, fit: Fit, units: dict[str, str]) -> tuple[list[tuple[str, str]], list[Any]]:
@@ -138,10 +133,9 @@ def _lines(work: RunCalibration, fit: Fit, summary: dict[str, Any], further: Nex
         lines.append(
             f"  {name}: errors alike over {row['alike over [s]']:.3g} s; {row['readings']} readings count as {row['effective']:.3g}"
         )
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
     if further is not None:
         widths = (
             f"{name} to +-{work.parameter(name).shown(w, work.units)}" for name, w in further.widths.items()
         )
         lines.append(f"  next: a log of {further.column} beside these would determine {', '.join(widths)}")
-    return lines + [f"  note: {n}" for n in summary["notes"]]
+    return lines

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,6 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.fluid import Rheology
 from drillpetsc.case.blocks.items.string import Bit
 from drillpetsc.case.blocks.well import Window
 from drillpetsc.case.case import Case
@@ -39,7 +37,7 @@ from drillpetsc.case.plausible.plausible_string import beyond_curves, short_of_h
 from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
@@ -48,18 +46,8 @@ from drillpetsc.output.files.run_folder import (
     PROFILE_TABLE,
     READINGS_TABLE,
 )
-from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.hydraulics import (
-    DIAL_READINGS,
-    FLOW_CURVE,
-    HYDRAULICS_SUMMARY,
-    LEVELS,
-    LOSS_ROWS,
-    LOSSES,
-    NOZZLES,
-    PRESSURE_PROFILE,
-    RHEOLOGY_FITS,
-)
+from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -80,7 +68,7 @@ Numbers = dict[str, float | None]
 class FlowResult:
     """Steady flow at one flow rate.
 
-    flow_rate: [m3/s]; summary: values of HYDRAULICS_SUMMARY, None where absent; rows: of hydraulics.csv.
+    flow_rate: [m3/s]; summary: of summary.json, None where absent; rows: of hydraulics.csv.
     profile: columns of pressure_profile.csv, nan where absent.
     limited_by: limit of the window that is passed, `none`, or `-` without a window.
     nozzles: groups of nozzles, where there are any above the bit.
@@ -207,7 +195,7 @@ class Hydraulics:
     def _profile(self) -> dict[str, FloatArray]:
         flow = self.flow
         n = len(flow.md)
-        out = {q.name: np.full(n, np.nan) for q in PRESSURE_PROFILE if q.name != "pump_flow"}
+        out = {q.name: np.full(n, np.nan) for q in COLUMNS["pressure_profile"] if q.name != "pump_flow"}
         out["md"], out["tvd"] = flow.md, flow.tvd
         for name, column in (("bore", "internal"), ("annulus", "annulus")):
             pressure, component = flow.pressure(name), getattr(flow.fluid, name)
@@ -247,14 +235,14 @@ def flow_figures(
     end: float | None,
     window: OpenHole | None = None,
 ) -> Numbers:
-    """Values of HYDRAULICS_SUMMARY [SI] of a steady flow that is solved, None where absent.
+    """Figures of summary.json [SI] of a steady flow that is solved, None where absent.
 
     rate: of the pump [m3/s]; rows: its losses; shoe, end: measured depths of the last shoe and of the end of the hole [m].
     window: of the open hole.
     """
     case = flow.case
     sums = balance(flow)
-    out: Numbers = {q.name: None for q in HYDRAULICS_SUMMARY}
+    out: Numbers = {q.name: None for q in COLUMNS["hydraulics_summary"]}
     out |= {k: v for k, v in sums.items() if k in out}
     out["pump_flow"] = rate
     out["bit_pressure"] = flow.bottom_pressure()
@@ -349,28 +337,15 @@ def run_hydraulics(
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = job.make_folder()
         summary = _summary(case, hydraulics, results).as_dict()
-        if job.comm.rank == 0:
-            folder.write_case(case)
-            _write(folder.path, case, results, curve, case.given_fluid.rheology)
-            write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, results, summary))
+    return job.result(folder, summary, _lines(case, results, summary), _tables(case, results, curve))
 
 
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     flow = hydraulics.flow
     flow.solve(float(rate))
-    out: Numbers = {q.name: None for q in FLOW_CURVE} | balance(flow)
+    out: Numbers = {q.name: None for q in COLUMNS["flow_curve"]} | balance(flow)
     out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else value
-
-
-def _fit_cell(fit: rheology_fits.Fit, name: str) -> str | float:
-    value = getattr(fit, name)
-    return ("yes" if value else "no") if name == "used" else value
 
 
 def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
@@ -393,38 +368,41 @@ def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
     ]
 
 
-def _write(
-    path: Path, case: Case, results: list[FlowResult], curve: list[Numbers], rheology: Rheology
-) -> None:
-    rows = [(result.flow_rate, row) for result in results for row in result.rows]
+def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iterator[FileTable]:
+    """The files of all flow rates."""
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
-    columns = [
-        [rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name)) for rate, row in rows]
-        for q in LOSS_ROWS
+    rows = [
+        [
+            r.flow_rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name))
+            for q in COLUMNS["loss_rows"]
+        ]
+        for r in results
+        for row in r.rows
     ]
-    write_table(path / LOSS_TABLE, LOSS_ROWS, columns)
+    yield LOSS_TABLE, COLUMNS["loss_rows"], rows
     if results[0].nozzles:
-        cells = [[row[q.name] for r in results for row in nozzle_rows(case, r)] for q in NOZZLES]
-        write_table(path / NOZZLE_TABLE, NOZZLES, cells)
-    profile = [
-        np.concatenate(
-            [
-                np.full(len(r.profile["md"]), r.flow_rate) if q.name == "pump_flow" else r.profile[q.name]
-                for r in results
-            ]
-        )
-        for q in PRESSURE_PROFILE
-    ]
-    write_table(path / PROFILE_TABLE, PRESSURE_PROFILE, profile)
+        yield NOZZLE_TABLE, COLUMNS["nozzles"], [row for r in results for row in nozzle_rows(case, r)]
+    profiles = ({**r.profile, "pump_flow": np.full(len(r.profile["md"]), r.flow_rate)} for r in results)
+    yield (
+        PROFILE_TABLE,
+        COLUMNS["pressure_profile"],
+        [
+            row
+            for p in profiles
+            for row in zip(*(p[q.name] for q in COLUMNS["pressure_profile"]), strict=True)
+        ],
+    )
+    rheology = case.given_fluid.rheology
     mud = rheology_fits.readings(rheology)
     if mud is not None:
-        columns = [mud.speed, mud.rate, mud.reading, mud.stress]
-        write_table(path / READINGS_TABLE, DIAL_READINGS, columns)
-        found = rheology_fits.fits(rheology)
-        words = [[_fit_cell(f, q.name) for f in found] for q in RHEOLOGY_FITS]
-        write_table(path / FITS_TABLE, RHEOLOGY_FITS, words)
-    table = [[_number(row[q.name]) for row in curve] for q in FLOW_CURVE]
-    write_table(path / FLOW_CURVE_TABLE, FLOW_CURVE, table)
+        yield (
+            READINGS_TABLE,
+            COLUMNS["dial_readings"],
+            zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True),
+        )
+        fits = [vars(f) | {"used": "yes" if f.used else "no"} for f in rheology_fits.fits(rheology)]
+        yield FITS_TABLE, COLUMNS["rheology_fits"], fits
+    yield FLOW_CURVE_TABLE, COLUMNS["flow_curve"], curve
 
 
 def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
@@ -453,16 +431,14 @@ def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:
     """The rows of nozzles.csv under the key `nozzles`, with None for numbers that do not exist; nothing without side nozzles."""
     if not result.nozzles:
         return {}
-    rows = nozzle_rows(case, result)
-    plain = [{k: None if isinstance(v, float) and np.isnan(v) else v for k, v in row.items()} for row in rows]
-    return {"nozzles": plain}
+    return {"nozzles": plain(nozzle_rows(case, result))}
 
 
 def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list[str]:
     """A line for each group of nozzles and flow rate; nothing without nozzles above the bit."""
     if not results[0].nozzles:
         return []
-    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in NOZZLES if q.name != "item"]
+    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in COLUMNS["nozzles"] if q.name != "item"]
     lines = [
         "  Nozzles: "
         + ", ".join(f"{q.label.lower()} [{unit}]" if unit else q.label.lower() for q, _, unit in shown)
@@ -484,9 +460,11 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
     ]
     for first in range(0, len(results), PER_BLOCK):
         block = results[first : first + PER_BLOCK]
-        for q in HYDRAULICS_SUMMARY:
+        for q in COLUMNS["hydraulics_summary"]:
             values = [result.summary[q.name] for result in block]
-            if all(value is None for value in values) or (q in (*LOSSES, *LEVELS) and not any(values)):
+            if all(value is None for value in values) or (
+                q in (*COLUMNS["losses"], *COLUMNS["levels"]) and not any(values)
+            ):
                 continue
             size, unit = shown_unit(q.name, q.unit, summary["units"])
             cells = "".join(f"{'-' if v is None else format(v / size, '.5g'):>10}" for v in values)
@@ -496,13 +474,11 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
                 "  Open hole, limit passed: "
                 + "; ".join(lengths_shown(r.limited_by, summary["units"]) for r in block)
             )
-    lines += [f"  WARNING: {lengths_shown(w, summary['units'])}" for w in summary["warnings"]]
     return (
         lines
-        + _warnings_by_flow(results, summary["units"])
         + _nozzle_lines(case, results, summary["units"])
         + _mud_lines(case, summary["units"])
-        + [f"  note: {lengths_shown(note, summary['units'])}" for note in summary["notes"]]
+        + _warnings_by_flow(results, summary["units"])
     )
 
 

@@ -39,11 +39,11 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
-from drillpetsc.output import write_rows, write_summary, write_table
+from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.hydraulics import DYNAMIC_SURGE, MAX_TRIP_SPEED, SIDE_SURGE, SURGE
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
@@ -217,8 +217,8 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     flow = _pump_rate(case, plan, notes) if "pumping" in plan.pipes else 0.0
     top = whole_string(case).top
     notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
-    side = SIDE_SURGE if case.side_nozzles else ()
-    quantities = (*SURGE, *side, *(DYNAMIC_SURGE if plan.dynamic else ()))
+    side = COLUMNS["side_surge"] if case.side_nozzles else ()
+    quantities = (*COLUMNS["surge"], *side, *(COLUMNS["dynamic_surge"] if plan.dynamic else ()))
     fastest: list[dict[str, Any]] = []
     with options_of(case):
         whole = _string_from_rig(case)
@@ -229,27 +229,25 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
-        summary = SurgeSummary(
+        found = SurgeSummary(
             title=case.title,
             units=case.shown_units,
             window=window_table(window),
             window_from=None if window is None else ("--window" if plan.window is not None else "case"),
             surge=[
-                {q.name: _plain(row.value(q.name)) for q in quantities} | {"warnings": list(row.warnings)}
+                {q.name: row.value(q.name) for q in quantities} | {"warnings": list(row.warnings)}
                 for row in rows
             ],
-            max_trip_speed=[{k: _plain(v) for k, v in row.items()} for row in fastest],
-            open_pipe_by_area=[{k: _plain(v) for k, v in row.items()} for row in by_area],
+            max_trip_speed=fastest,
+            open_pipe_by_area=by_area,
             notes=notes,
-        ).as_dict()
-        if job.comm.rank == 0:
-            folder.write_case(case)
-            columns = [[_cell(row.value(q.name)) for row in rows] for q in quantities]
-            write_table(folder.path / SURGE_TABLE, quantities, columns)
-            if fastest:
-                write_rows(folder.path / TRIP_SPEED_TABLE, MAX_TRIP_SPEED, fastest)
-            write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, rows, summary))
+        )
+    summary: dict[str, Any] = plain(found.as_dict())
+    tables: list[FileTable] = [
+        (SURGE_TABLE, quantities, [[row.value(q.name) for q in quantities] for row in rows])
+    ]
+    tables += [(TRIP_SPEED_TABLE, COLUMNS["max_trip_speed"], fastest)] if fastest else []
+    return job.result(folder, summary, _lines(case, rows, summary), tables)
 
 
 def _pump_rate(case: Case, plan: Trips, notes: list[str]) -> float:
@@ -362,7 +360,7 @@ def _fastest(
             except SolveError:
                 speed, limit = np.nan, FAILED
             values = (operation, pipe, string.depth, speed, limit)
-            out.append(dict(zip([q.name for q in MAX_TRIP_SPEED], values, strict=True)))
+            out.append(dict(zip([q.name for q in COLUMNS["max_trip_speed"]], values, strict=True)))
     return out
 
 
@@ -377,15 +375,6 @@ def _distinct(warnings: list[str]) -> list[str]:
     for text in sorted(warnings, key=size):
         kept[re.sub(r"-?\d+(\.\d+)?", "#", text)] = text
     return sorted(kept.values())
-
-
-def _plain(value: Any) -> Any:
-    """None for a number that does not exist, as JSON needs it."""
-    return None if isinstance(value, float) and np.isnan(value) else value
-
-
-def _cell(value: Any) -> Any:
-    return np.nan if value is None else value
 
 
 def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[str]:
@@ -433,8 +422,4 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         for found in summary["open_pipe_by_area"]
         if found["solver"] is not None
     ]
-    return (
-        lines
-        + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]
-        + [f"  note: {lengths_shown(note, system)}" for note in summary["notes"]]
-    )
+    return lines + [f"  WARNING: {w}" for w in _distinct([w for row in rows for w in row.warnings])]

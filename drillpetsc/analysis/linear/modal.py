@@ -28,7 +28,7 @@ from drillpetsc.analysis.linear.frequency.stokes import (
     stokes_numbers,
 )
 from drillpetsc.analysis.linear.linearised_model import linearise_model, mean_over_turn, settle
-from drillpetsc.analysis.linear.modes import Modes
+from drillpetsc.analysis.linear.modes import KINDS, Modes
 from drillpetsc.analysis.linear.modes_of_kind import lowest_of_kind
 from drillpetsc.analysis.motion.run_options import options_of
 from drillpetsc.analysis.motion.time_scales import time_scales
@@ -44,15 +44,13 @@ from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.top import continuous_control
-from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
+from drillpetsc.output import FieldWriter, RunFolder
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
-from drillpetsc.output.quantities import MODE_KINDS as KINDS
-from drillpetsc.output.quantities import MODES
-from drillpetsc.output.quantities.modes import STOKES_NUMBER
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
@@ -383,8 +381,8 @@ def run_modes(
             state = replace(state, warnings=[*state.warnings, left_out])
         summary = _summary(model, found, state, searched).as_dict()
         if comm.rank == 0:
-            _write(model, folder, found, summary, fields)
-    return job.noted(folder, summary, _lines(case, found, summary))
+            _write(model, folder, found, fields)
+    return job.result(folder, summary, _lines(case, found, summary), [_table(found)])
 
 
 def moment_of(model: DrillingModel, found: Modes) -> Modal:
@@ -432,26 +430,20 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
     )
 
 
-def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[str, Any], fields) -> None:
-    """Write the files of the run folder; ``fields``: values of the state, None without a string."""
-    folder.write_case(model.case)
-    numbers = np.arange(1, found.count + 1)
+def _table(found: Modes) -> FileTable:
+    """The file modes.csv."""
     stokes = [] if found.stokes_number is None else [found.stokes_number]
-    write_table(
-        folder.path / "modes.csv",
-        [q.column for q in (*MODES, *([STOKES_NUMBER] if stokes else []))],
-        [
-            numbers,
-            found.frequency,
-            60 * found.frequency,
-            found.damping_ratio,
-            found.growth,
-            np.array(found.kind),
-            *found.share.T,
-            found.error,
-            *stokes,
-        ],
+    columns = [range(1, found.count + 1), found.frequency, 60 * found.frequency, found.damping_ratio]
+    columns += [found.growth, found.kind, *found.share.T, found.error, *stokes]
+    return (
+        "modes.csv",
+        (*COLUMNS["modes"], *(COLUMNS["stokes_number"] if stokes else ())),
+        zip(*columns, strict=True),
     )
+
+
+def _write(model: DrillingModel, folder: RunFolder, found: Modes, fields) -> None:
+    """Write the shapes; ``fields``: values of the state, None without a string."""
     shapes = folder.path / "modes"
     shapes.mkdir(exist_ok=True)
     for old in shapes.glob("mode_*.vtu"):
@@ -464,7 +456,6 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, summary: dict[
             data = _point_data(model, found, m)
             replace_file(shapes / f"mode_{m + 1:02d}.vtu", partial(_write_shape, points, lines, data))
     write_well_files(model, folder)
-    write_summary(folder.summary, summary)
 
 
 def _write_shape(points: FloatArray, lines: np.ndarray, data: dict[str, FloatArray], file: Path) -> None:

@@ -9,6 +9,9 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH
 
+#: kinds of modes; each has a share of the energy, in this order in modes.csv
+KINDS = ("lateral", "axial", "torsional", "fluid")
+
 
 @dataclass(frozen=True)
 class Modes:

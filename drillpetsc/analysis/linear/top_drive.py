@@ -17,10 +17,9 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.hole import build_well
 from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
-from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.frequency import REFLECTION
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.physics.top.control import Law, Motor, reflection
 
 FREQUENCIES = np.geomspace(0.01, 10.0, 601)  # of the table [Hz]
@@ -53,14 +52,9 @@ def run_top_drive(job: Job) -> RunResult:
         summary["top_drive"]["torsional_frequency"] = lowest_torsional_frequency(mesh, held)
     except CaseError:  # parts that turn by themselves
         summary["top_drive"]["torsional_frequency"] = None
-    folder = job.make_folder()
-    if job.comm.rank == 0:
-        folder.write_case(case)
-        numbers = np.repeat(np.arange(1, len(laws) + 1), len(FREQUENCIES))
-        rows = [numbers, np.tile(FREQUENCIES, len(laws)), np.concatenate(table)]
-        write_table(folder.path / REFLECTION_TABLE, REFLECTION, rows)
-        write_summary(folder.summary, summary)
-    return job.noted(folder, summary, _lines(case, laws, motor, impedance, summary))
+    rows = [(k, *row) for k, q in enumerate(table, 1) for row in zip(FREQUENCIES, q, strict=True)]
+    lines = _lines(case, laws, motor, impedance, summary)
+    return job.result(job.make_folder(), summary, lines, [(REFLECTION_TABLE, COLUMNS["reflection"], rows)])
 
 
 def _lines(

@@ -17,7 +17,7 @@ from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.motion.command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
-from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect, write_rows
+from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
@@ -26,9 +26,11 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary
+from drillpetsc.output.files.json_file import plain
+from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 
@@ -92,19 +94,15 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         title=case.title,
         analysis=question.analysis,
         outputs={solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
-        sensitivities=[plain(row) for row in rows],
+        sensitivities=plain(rows),
         checked=[row_of_check(at) for at in compared],
         skipped=skipped,
         units=case.shown_units,
         warnings=warnings,
         notes=notes,
     ).as_dict()
-    folder = job.make_folder()
-    if job.comm.rank == 0:
-        folder.write_case(case)
-        write_rows(folder.path, rows)
-        write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, found, compared, summary))
+    tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
+    return job.result(job.make_folder(), summary, _lines(case, found, compared, summary), tables)
 
 
 def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:
@@ -180,7 +178,6 @@ def _lines(
     if compared:
         worst = max(at.error for at in compared)
         lines.append(f"  {len(compared)} derivatives checked by full solutions: largest error {worst:.1e}")
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
     if summary["skipped"]:
         lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines

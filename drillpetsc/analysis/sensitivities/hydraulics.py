@@ -15,7 +15,7 @@ from drillpetsc.analysis.sensitivities.flow import FlowTangent
 from drillpetsc.analysis.sensitivities.points import Point, difference
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
 from drillpetsc.case.case import Case
-from drillpetsc.output.quantities.hydraulics import HYDRAULICS_SUMMARY
+from drillpetsc.output.quantities.tables import COLUMNS
 
 RATE_STEP = 1e-4  # of differences by the flow rate, relative [-]
 PUMP_PRESSURE = "fluid.pump_pressure"
@@ -36,7 +36,7 @@ class SteadyHydraulics:
         hydraulics = Hydraulics(case)
         self._flow, self._rate = hydraulics.flow, self._solve(case, hydraulics.flow)
         self._tangent = FlowTangent(self._flow, self._rate)
-        self.outputs = [Output(q) for q in HYDRAULICS_SUMMARY]
+        self.outputs = [Output(q) for q in COLUMNS["hydraulics_summary"]]
         self.found = self._at(self._flow, self._rate)
 
     def near(self, points: Sequence[Point]) -> list[Found]:
@@ -46,7 +46,7 @@ class SteadyHydraulics:
             return self._found(points, rates)
         # at the rate of the solution, then by the rate
         own = self._found(points, [self._rate] * len(points))
-        names = [q.name for q in HYDRAULICS_SUMMARY]
+        names = [q.name for q in COLUMNS["hydraulics_summary"]]
         pump, line = names.index("pump_pressure"), names.index("surface_line_loss")
         used = [point for point in points if point.weight]
         excess = [
@@ -99,7 +99,7 @@ class SteadyHydraulics:
         end = None if case.well is None else float(case.well.survey.md[-1])
         figures = flow_figures(flow, rate, rows, shoe_depth(case), end, open_hole(case, case.window))
         regimes = tuple(row.regime for row in rows)
-        values = np.array([number(figures[q.name]) for q in HYDRAULICS_SUMMARY])
+        values = np.array([number(figures[q.name]) for q in COLUMNS["hydraulics_summary"]])
         return Found(values, (regimes,) * len(values))
 
 

@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
-
-import numpy as np
 
 from drillpetsc.analysis.sensitivities.derivatives import Derivative
 from drillpetsc.analysis.sensitivities.doubts import Checked
-from drillpetsc.output import write_table
-from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
-from drillpetsc.output.quantities.sensitivities import SENSITIVITIES
 
 
 def row_of(d: Derivative) -> dict[str, Any]:
@@ -33,17 +27,6 @@ def row_of(d: Derivative) -> dict[str, Any]:
         "effect_above": d.above,
         "flag": d.flag,
     }
-
-
-def plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    """The row with None in place of numbers that do not exist."""
-    return {k: None if isinstance(v, float) and np.isnan(v) else v for k, v in row.items()}
-
-
-def write_rows(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write sensitivities.csv."""
-    columns = [q.column for q in SENSITIVITIES]
-    write_table(folder / SENSITIVITIES_TABLE, columns, [[row[q.name] for row in rows] for q in SENSITIVITIES])
 
 
 def row_of_check(at: Checked) -> dict[str, Any]:

@@ -23,11 +23,10 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.sensitivities import UNCERTAIN, UNCERTAIN_LIMITS, UNCERTAIN_SHARES
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.output.summaries.sensitivities import UncertainSummary
 
@@ -95,20 +94,16 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         failed=max((int(spread.failed.max()) for spread in found if spread.failed.size), default=0),
         measured=points,
         units=case.shown_units,
-        warnings=[sentence for doubt in [drawn] for sentence in doubts_at(doubt, "warning")],
+        warnings=doubts_at(drawn, "warning"),
         notes=[*notes, *response.notes, *doubts_at(drawn, "remark")],
     ).as_dict()
-    folder = job.make_folder()
-    if job.comm.rank == 0:
-        folder.write_case(case)
-        for name, columns, table in (
-            (UNCERTAIN_TABLE, UNCERTAIN, rows),
-            (UNCERTAIN_LIMITS_TABLE, UNCERTAIN_LIMITS, limits),
-            (UNCERTAIN_SHARES_TABLE, UNCERTAIN_SHARES, shares),
-        ):
-            write_rows(folder.path / name, columns, table)
-        write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, named, outputs, found, question, summary, limits))
+    tables = (
+        (UNCERTAIN_TABLE, COLUMNS["uncertain"], rows),
+        (UNCERTAIN_LIMITS_TABLE, COLUMNS["uncertain_limits"], limits),
+        (UNCERTAIN_SHARES_TABLE, COLUMNS["uncertain_shares"], shares),
+    )
+    lines = _lines(case, named, outputs, found, question, summary, limits)
+    return job.result(job.make_folder(), summary, lines, tables)
 
 
 def _draws(keys: Sequence[Uncertain], question: Question) -> FloatArray:
@@ -252,5 +247,4 @@ def _lines(
     if measured:
         low, high = (f"P{100 * question.levels[i]:.4g}" for i in (0, -1))
         lines.append(f"  {sum(measured)} of {len(measured)} measured values lie between {low} and {high}")
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines

@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output.files.atomic import replace_text
 
 
-def plain(value: object) -> object:
+def plain(value: Any) -> Any:
     """The value in JSON types.
 
     numpy scalars and arrays become numbers and lists, NaN and infinity (which JSON does not have) null,

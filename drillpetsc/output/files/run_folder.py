@@ -13,6 +13,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files import lock
 from drillpetsc.output.files.atomic import remove_leftovers
+from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.parallel import first_rank_gives
 
 SWEEP_TABLE = "sweep.csv"  # table of a sweep, in its folder
@@ -216,6 +217,10 @@ class RunFolder:
         if not Path(path).is_dir():
             raise RunFolderMissing(f"run folder {path} does not exist")
         return cls(Path(path))
+
+    def read_summary(self) -> dict[str, Any]:
+        """Contents of summary.json, empty without one; raises CaseError if it is damaged."""
+        return read_summary(self.summary) if self.summary.is_file() else {}
 
     def write_case(self, case: Case) -> None:
         """Write case.yaml; and case.resolved.yaml if the case has figures from catalogue, defaults or formulas."""

@@ -12,7 +12,7 @@ import errno
 import hashlib
 import io
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -25,6 +25,7 @@ from drillpetsc.output.files.atomic import replace_text
 
 DIGEST = 16  # bytes of the digest of a table's rows
 Column = tuple[str, str]  # name, unit; unit "-" for a pure number
+Row = Mapping[str, Any] | Sequence[Any]  # cells by name, or in order
 
 
 def header(columns: Sequence[Column]) -> list[str]:
@@ -201,11 +202,12 @@ def write_table(
     return replace_text(path, text.getvalue())
 
 
-def write_rows(
-    path: str | os.PathLike, quantities: Sequence[Quantity], rows: Collection[Mapping[str, Any]]
-) -> Path:
-    """Write a whole table of rows, each with its cells by the names of ``quantities``."""
-    return write_table(path, quantities, [[row[q.name] for row in rows] for q in quantities])
+def write_rows(path: str | os.PathLike, columns: Sequence[Column | Quantity], rows: Iterable[Row]) -> Path:
+    """Write a whole table of rows, with cells in order or by the names of quantities; None is nan.  columns: as of ``write_table``."""
+    names = [q.name if isinstance(q, Quantity) else q[0] for q in columns]
+    cells = [[row[name] for name in names] if isinstance(row, Mapping) else row for row in rows]
+    values = [[np.nan if q is None else q for q in column] for column in zip(*cells, strict=True)]
+    return write_table(path, columns, values or [[]] * len(columns))
 
 
 def _cell(value: object) -> str:

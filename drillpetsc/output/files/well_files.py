@@ -9,7 +9,7 @@ from drillpetsc.geometry.trajectory import COURSE, angles, dogleg_severity, refi
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output import RunFolder, write_table, write_well
-from drillpetsc.output.quantities import TRAJECTORY
+from drillpetsc.output.quantities.tables import COLUMNS
 
 SPACING = 10.0  # largest distance of stations in the old hole [m]
 
@@ -51,7 +51,7 @@ def write_well_files(model: DrillingModel, folder: RunFolder) -> None:
     inclination, azimuth = map(np.degrees, angles(tangent))
     write_table(
         folder.trajectory,
-        TRAJECTORY,
+        COLUMNS["trajectory"],
         [md, inclination, azimuth, *position.T, np.degrees(COURSE * dogleg_severity(md, tangent))],
     )
     write_well(folder.well, md, position, np.asarray(well.radius(md)), np.asarray(well.friction(md)))

@@ -31,7 +31,6 @@ from drillpetsc.output.quantities.history import (
     TOP_END,
     TOP_TRAVEL,
 )
-from drillpetsc.output.quantities.modes import MODE_KINDS, MODE_SHARES, MODES
 from drillpetsc.output.quantities.mud import (
     BORE_ONLY,
     CUTTINGS_FLOW,
@@ -55,7 +54,6 @@ from drillpetsc.output.quantities.statics import (
     TWIST,
     TWIST_ANGLE,
 )
-from drillpetsc.output.quantities.trajectory import TRAJECTORY
 
 __all__ = [
     "AXIAL_FORCE",
@@ -77,9 +75,6 @@ __all__ = [
     "ITEM_SIDE_FORCE",
     "LOWER_END",
     "MD",
-    "MODES",
-    "MODE_KINDS",
-    "MODE_SHARES",
     "MUD",
     "MUD_CONTENT",
     "MUD_FIELDS",
@@ -102,7 +97,6 @@ __all__ = [
     "TOP_END",
     "TOP_TRAVEL",
     "TORQUE",
-    "TRAJECTORY",
     "TWIST",
     "TWIST_ANGLE",
     "WALL_NUMBERS",

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
     BOUNDARY_TABLE,
     CAMPBELL_TABLE,
@@ -17,10 +15,9 @@ from drillpetsc.output.files.run_folder import (
     RESPONSE_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
-    RunFolder,
 )
-from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Pictures, Source
 from drillpetsc.plotting.style import LINE_COLORS
 
 SHOWN = 1e-4  # share of the largest amplitude of a motion below which a panel or a line is rounding
@@ -48,16 +45,15 @@ DAMPED = 0.3  # damping ratio from which a branch is pale
 SHARP = 0.1  # damping ratio below which a critical speed is marked
 
 
-def draw_campbell(folder: Path, title: str) -> Any:
+def draw_campbell(at: Source) -> Any:
     """Frequencies over the rotary speed with excitation lines and critical speeds."""
-    table = read_table(folder / CAMPBELL_TABLE)
+    table = at.table(CAMPBELL_TABLE)
     if not len(table["branch [-]"]):
         return None
-    file = RunFolder(folder).summary
-    summary = read_summary(file) if file.exists() else {}
+    summary = at.summary
     branch, speed, frequency = (table[k] for k in ("branch [-]", "rotary_speed [rpm]", "frequency [Hz]"))
     ratio, kind, sense = (table[k] for k in ("damping_ratio [-]", "kind [-]", "whirl_sense [-]"))
-    drawing = style.sheet(9.5, 6.5, f"{title}: Campbell diagram")
+    drawing = style.sheet(9.5, 6.5, f"{at.title}: Campbell diagram")
     axes = drawing.subplots()
     low, high = float(speed.min()), float(speed.max())
     drawn, faint = set(), False
@@ -99,8 +95,8 @@ def draw_campbell(folder: Path, title: str) -> Any:
         axes.plot(
             speeds, summary["motor_line"], color="0.35", linewidth=0.9, linestyle=(0, (1, 2)), label="motor"
         )
-    if (folder / CRITICAL_TABLE).exists():
-        found = read_table(folder / CRITICAL_TABLE)
+    if at.has(CRITICAL_TABLE):
+        found = at.table(CRITICAL_TABLE)
         sharp = found["damping_ratio [-]"] < SHARP
         if sharp.any():
             axes.plot(
@@ -129,13 +125,13 @@ def _prevailing(words: np.ndarray) -> str:
     return str(found[count.argmax()])
 
 
-def draw_critical_map(folder: Path, title: str) -> Any:
+def draw_critical_map(at: Source) -> Any:
     """Critical speeds without damping over the stiffness of the wall, by excitation line and kind of the mode."""
-    table = read_table(folder / CRITICAL_MAP_TABLE)
+    table = at.table(CRITICAL_MAP_TABLE)
     wall = table["wall_stiffness [Pa]"].astype(float)
     if not len(wall):
         return None
-    drawing = style.sheet(8.0, 5.0, f"{title}: critical speeds without damping")
+    drawing = style.sheet(8.0, 5.0, f"{at.title}: critical speeds without damping")
     axes = drawing.subplots()
     size, unit = style.display_unit("wall_stiffness [Pa]", wall)
     line, kind = table["excitation_line [-]"].astype(float), table["kind [-]"].astype(str)
@@ -149,15 +145,15 @@ def draw_critical_map(folder: Path, title: str) -> Any:
     return drawing.fitted()
 
 
-def draw_stability(folder: Path, title: str) -> Any:
+def draw_stability(at: Source) -> Any:
     """Largest growth over rotary speed and weight on bit, growth in red, with contours, the boundary and the case."""
-    table = read_table(folder / STABILITY_TABLE)
+    table = at.table(STABILITY_TABLE)
     if not len(table["weight_on_bit [N]"]):
         return None
     speeds, weights = (np.unique(table[k]) for k in ("rotary_speed [rpm]", "weight_on_bit [N]"))
     growth = table["largest_growth [1/s]"].reshape(len(weights), len(speeds)).astype(float)
     unit, text = style.display_unit("weight_on_bit [N]", weights)
-    drawing = style.sheet(9.0, 5.0, f"{title}: stability of steady drilling")
+    drawing = style.sheet(9.0, 5.0, f"{at.title}: stability of steady drilling")
     axes = drawing.subplots()
     from matplotlib.colors import TwoSlopeNorm
 
@@ -172,17 +168,16 @@ def draw_stability(folder: Path, title: str) -> Any:
     ticks = [low, 0.5 * low, 0.0, 0.5 * high, high]  # matplotlib's ticks leave out a narrow side
     bar.set_ticks(ticks, labels=[f"{tick:.2g}" for tick in ticks])
     style.contours(axes, (speeds, weights / unit), growth)
-    if (folder / BOUNDARY_TABLE).exists():
-        found = read_table(folder / BOUNDARY_TABLE)
+    if at.has(BOUNDARY_TABLE):
+        found = at.table(BOUNDARY_TABLE)
         if len(found["weight_on_bit [N]"]):
             axes.plot(
                 found["boundary_speed [rpm]"].astype(float), found["weight_on_bit [N]"].astype(float) / unit, "o",
                 color="black", markersize=5, label="boundary",
             )  # fmt: skip
-    if (folder / STABILITY_RUNS_TABLE).exists():
-        _mark_runs(axes, read_table(folder / STABILITY_RUNS_TABLE), unit)
-    file = RunFolder(folder).summary
-    summary = read_summary(file) if file.exists() else {}
+    if at.has(STABILITY_RUNS_TABLE):
+        _mark_runs(axes, at.table(STABILITY_RUNS_TABLE), unit)
+    summary = at.summary
     if summary.get("case_speed") and "case_weight" in summary:
         case = {
             "color": "#ffd400",
@@ -230,10 +225,10 @@ def _edges(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
 
 
-def draw_response(folder: Path, title: str) -> Any:
+def draw_response(at: Source) -> Any:
     """Amplitudes over the rotary speed at every place; a vertical line marks an infinite amplitude, a cross a string that
     touches or leaves the wall."""
-    table = read_table(folder / RESPONSE_TABLE)
+    table = at.table(RESPONSE_TABLE)
     speed, place, word = (table[k] for k in ("rotary_speed [rpm]", "place [-]", "validity [-]"))
     if not len(speed):
         return None
@@ -246,7 +241,7 @@ def draw_response(folder: Path, title: str) -> Any:
     ]  # fmt: skip
     if not shown:
         return None
-    drawing = style.sheet(9.0, 1.2 + 2.2 * len(shown), f"{title}: response over the rotary speed")
+    drawing = style.sheet(9.0, 1.2 + 2.2 * len(shown), f"{at.title}: response over the rotary speed")
     tracks = drawing.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     for axes, (column, label, _) in zip(tracks, shown, strict=True):
         largest = _largest(table[column])
@@ -291,15 +286,12 @@ def _largest(values: np.ndarray) -> float:
     return float(np.max(values[np.isfinite(values)], initial=0.0))
 
 
-def draw_reflection(folder: Path, title: str) -> Any:
-    """|r| of every controller over the frequency, with the string's lowest torsional frequency; None without a table."""
-    if not (folder / REFLECTION_TABLE).exists():
-        return None
-    table = read_table(folder / REFLECTION_TABLE)
-    file = RunFolder(folder).summary
-    found = (read_summary(file) if file.exists() else {}).get("top_drive", {})
+def draw_reflection(at: Source) -> Any:
+    """|r| of every controller over the frequency, with the string's lowest torsional frequency."""
+    table = at.table(REFLECTION_TABLE)
+    found = at.summary.get("top_drive", {})
     kinds = [law["kind"] for law in found.get("control", ())]
-    drawing = style.sheet(8.0, 4.5, f"{title}: reflection at the top")
+    drawing = style.sheet(8.0, 4.5, f"{at.title}: reflection at the top")
     axes = drawing.subplots()
     number, frequency, size = (
         table[f"{name}"] for name in ("controller [-]", "wave_frequency [Hz]", "reflection [-]")
@@ -319,3 +311,12 @@ def draw_reflection(folder: Path, title: str) -> Any:
     axes.set(xlabel="Frequency [Hz]", ylabel="Reflected part of a torsional wave |r| [-]")
     axes.legend(frameon=False)
     return drawing.fitted()
+
+
+PICTURES: Pictures = {
+    "campbell": ((CAMPBELL_TABLE,), draw_campbell),
+    "critical_map": ((CRITICAL_MAP_TABLE,), draw_critical_map),
+    "stability_map": ((STABILITY_TABLE,), draw_stability),
+    "response": ((RESPONSE_TABLE,), draw_response),
+    "reflection": ((REFLECTION_TABLE,), draw_reflection),
+}

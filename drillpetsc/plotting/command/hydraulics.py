@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
     FITS_TABLE,
     FLOW_CURVE_TABLE,
@@ -17,48 +14,19 @@ from drillpetsc.output.files.run_folder import (
     READINGS_TABLE,
     SURGE_TABLE,
     TRIP_SPEED_TABLE,
-    RunFolder,
 )
-from drillpetsc.output.files.tables import read_table, split_name
-from drillpetsc.output.quantities.hydraulics import LEVELS, LOSSES
+from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS, words
 from drillpetsc.unit_systems import System
-
-Table = dict[str, np.ndarray]
 
 MOST_PROFILES = 4  # flow rates in the picture of the profile
 LIMITS = "#b03060"  # colour of pore and fracture limits
 OPERATIONS = {"trip_in": "running in", "trip_out": "pulling out"}
 DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
-
-
-def hydraulics_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
-
-    system: units of the axes.
-    """
-    summary_file = RunFolder(folder).summary
-    summary = read_summary(summary_file) if summary_file.exists() else {}
-
-    def table(name: str) -> Table:
-        return read_table(folder / name)
-
-    drawers: dict[str, Callable[[], Any]] = {}
-    if (folder / FLOW_CURVE_TABLE).exists():
-        drawers["flow_curve"] = lambda: _flow_curve(table(FLOW_CURVE_TABLE), summary, title, system)
-    if (folder / LOSS_TABLE).exists():
-        drawers["losses"] = lambda: _losses(summary, title, system)
-    if (folder / PROFILE_TABLE).exists():
-        drawers["pressure_profile"] = lambda: _profile(table(PROFILE_TABLE), summary, title, system)
-    if (folder / FITS_TABLE).exists() and (folder / READINGS_TABLE).exists():
-        drawers["rheology"] = lambda: _rheology(table(READINGS_TABLE), table(FITS_TABLE), title, system)
-    if (folder / SURGE_TABLE).exists():
-        drawers["surge"] = lambda: _surge(table(SURGE_TABLE), summary, title, system)
-    if (folder / TRIP_SPEED_TABLE).exists():
-        drawers["max_trip_speed"] = lambda: _trip_speeds(table(TRIP_SPEED_TABLE), title, system)
-    return drawers
 
 
 class _Axis:
@@ -77,17 +45,20 @@ class _Axis:
         return f"{head} [{self.unit}]" if self.unit else head
 
 
-def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+def _flow_curve(at: Source) -> Any:
     """Pump pressure and equivalent densities over the flow rate, with the flow rates requested."""
+    table, system = at.table(FLOW_CURVE_TABLE), at.system
     flow, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
     densities = [
         (_Axis(f"{name} [kg/m3]", system), words)
         for name, words in (("ecd_bit", "bit"), ("ecd_shoe", "casing shoe"), ("ecd_td", "end of the hole"))
         if np.isfinite(table[f"{name} [kg/m3]"]).any()
     ]
-    drawing = style.sheet(11.0 if densities else 6.5, 4.6, f"{title}: pressure and density against flow rate")
+    drawing = style.sheet(
+        11.0 if densities else 6.5, 4.6, f"{at.title}: pressure and density against flow rate"
+    )
     grid = drawing.subplots(1, 2 if densities else 1, squeeze=False)[0]
-    x, asked = flow.values(table), [row["pump_flow"] / flow.size for row in summary.get("flows", ())]
+    x, asked = flow.values(table), [row["pump_flow"] / flow.size for row in at.summary.get("flows", ())]
     grid[0].plot(x, pressure.values(table), color=LINE_COLORS[0], linewidth=1.6)
     grid[0].plot(asked, np.interp(asked, x, pressure.values(table)), "o", color=LINE_COLORS[0], markersize=5)
     grid[0].set(xlabel=flow.label(), ylabel=pressure.label("Pump pressure"), ylim=(0, None), xlim=(0, None))
@@ -110,42 +81,45 @@ def _flow_curve(table: Table, summary: dict[str, Any], title: str, system: Syste
     return drawing.fitted()
 
 
-def _losses(summary: dict[str, Any], title: str, system: System) -> Any:
+def _losses(at: Source) -> Any:
     """Stacked losses of each flow rate requested; a column that drives the flow is below zero."""
-    flows = summary.get("flows", ())
+    flows, system = at.summary.get("flows", ()), at.system
     if not flows:
         return None
     rate, pressure = _Axis("pump_flow [m3/s]", system), _Axis("pump_pressure [Pa]", system)
-    drawing = style.sheet(max(5.5, 3.6 + 0.9 * len(flows)), 5.0, f"{title}: pressure losses")
+    drawing = style.sheet(max(5.5, 3.6 + 0.9 * len(flows)), 5.0, f"{at.title}: pressure losses")
     axes = drawing.subplots()
-    at = np.arange(len(flows))
+    place = np.arange(len(flows))
     up, down = np.zeros(len(flows)), np.zeros(len(flows))
     largest = max(abs(row["pump_pressure"]) for row in flows) / pressure.size
     colors = (*LINE_COLORS[:2], "#2b8f8f", *LINE_COLORS[2:], "#7f7f7f")
-    for q, color in zip((*LOSSES, *LEVELS), colors, strict=True):
+    for q, color in zip((*COLUMNS["losses"], *COLUMNS["levels"]), colors, strict=True):
         values = np.array([row.get(q.name) or 0.0 for row in flows]) / pressure.size
         if not (np.abs(values) > 1e-3 * largest).any():
             continue
         bottom = np.where(values >= 0, up, down)
-        axes.bar(at, values, 0.6, bottom=bottom, color=color, label=q.label)
+        axes.bar(place, values, 0.6, bottom=bottom, color=color, label=q.label)
         up, down = up + np.maximum(values, 0), down + np.minimum(values, 0)
     total = [row["pump_pressure"] / pressure.size for row in flows]
-    axes.hlines(total, at - 0.36, at + 0.36, color="black", linewidth=1.6, label="Pump pressure", zorder=3)
+    axes.hlines(
+        total, place - 0.36, place + 0.36, color="black", linewidth=1.6, label="Pump pressure", zorder=3
+    )
     axes.axhline(0.0, color="0.35", linewidth=0.8)
-    axes.set_xticks(at, [f"{row['pump_flow'] / rate.size:.4g}" for row in flows])
+    axes.set_xticks(place, [f"{row['pump_flow'] / rate.size:.4g}" for row in flows])
     axes.set(xlabel=rate.label(), ylabel=pressure.label("Pressure"), xlim=(-0.7, len(flows) - 0.3))
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return drawing.fitted()
 
 
-def _profile(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+def _profile(at: Source) -> Any:
     """Pressures over measured depth; densities over vertical depth, with the limits of the window.
 
     Of many flow rates the smallest, the largest and two between are drawn.
     """
+    table, system = at.table(PROFILE_TABLE), at.system
     depth, rate = _Axis("md [m]", system), _Axis("pump_flow [m3/s]", system)
     wet = np.isfinite(table["ecd [kg/m3]"]).any()
-    drawing = style.sheet(11.5 if wet else 6.0, 7.0, f"{title}: pressure along the depth")
+    drawing = style.sheet(11.5 if wet else 6.0, 7.0, f"{at.title}: pressure along the depth")
     grid = drawing.subplots(1, 2 if wet else 1, squeeze=False)[0]
     flows = np.unique(rate.values(table))
     flows = flows[np.unique(np.linspace(0, len(flows) - 1, MOST_PROFILES).round().astype(int))]
@@ -161,7 +135,7 @@ def _profile(table: Table, summary: dict[str, Any], title: str, system: System) 
     grid[0].set(ylabel=depth.label(), ylim=(np.nanmax(depth.values(table)), 0.0))
     grid[0].legend(frameon=False, fontsize=8, loc="lower left")
     if wet:
-        _densities(grid[1], table, flows * rate.size, summary, system)
+        _densities(grid[1], table, flows * rate.size, at.summary, system)
     return drawing.fitted()
 
 
@@ -222,10 +196,11 @@ def _window(
         )
 
 
-def _rheology(readings: Table, fits: Table, title: str, system: System) -> Any:
+def _rheology(at: Source) -> Any:
     """Dial readings as stress over shear rate, with the flow curves that fit them; the one in use is thick."""
+    readings, fits, system = at.table(READINGS_TABLE), at.table(FITS_TABLE), at.system
     rate, stress = _Axis("shear_rate [1/s]", system), _Axis("shear_stress [Pa]", system)
-    drawing = style.sheet(8.5, 5.2, f"{title}: flow curves of the mud")
+    drawing = style.sheet(8.5, 5.2, f"{at.title}: flow curves of the mud")
     axes = drawing.subplots()
     x = np.linspace(0.0, 1.05 * float(readings["shear_rate [1/s]"].max()), 200)
     for i in range(len(fits["model [-]"])):
@@ -246,12 +221,13 @@ def _rheology(readings: Table, fits: Table, title: str, system: System) -> Any:
     return drawing.fitted()
 
 
-def _surge(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+def _surge(at: Source) -> Any:
     """Surge pressure and density at the bit over the speed, a line for each operation, pipe and bit depth."""
+    table, system = at.table(SURGE_TABLE), at.system
     speed, pressure = _Axis("trip_speed [m/s]", system), _Axis("surge_pressure [Pa]", system)
     density, depth = _Axis("ecd_bit [kg/m3]", system), _Axis("bit_depth [m]", system)
     start = _Axis("dynamic_surge_pressure [Pa]", system)
-    drawing = style.sheet(11.0, 5.0, f"{title}: surge and swab")
+    drawing = style.sheet(11.0, 5.0, f"{at.title}: surge and swab")
     grid = drawing.subplots(1, 2)
     depths = list(dict.fromkeys(table["bit_depth [m]"]))
     for k, md in enumerate(depths):
@@ -280,7 +256,7 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
     if start.title in table:
         grid[1].plot([], [], "x", color="0.35", label="left: while the string starts")
     grid[0].axhline(0.0, color="0.35", linewidth=0.8)
-    window = summary.get("window") or {}
+    window = at.summary.get("window") or {}
     if window and not window.get("tvd"):
         for key, name in (("pore", "pore limit"), ("frac", "fracture limit")):
             dash = (0, (3, 1.5)) if key == "pore" else "-"
@@ -289,10 +265,11 @@ def _surge(table: Table, summary: dict[str, Any], title: str, system: System) ->
     return drawing.fitted()
 
 
-def _trip_speeds(table: Table, title: str, system: System) -> Any:
+def _trip_speeds(at: Source) -> Any:
     """Largest trip speed over the depth of the bit."""
+    table, system = at.table(TRIP_SPEED_TABLE), at.system
     speed, depth = _Axis("max_trip_speed [m/s]", system), _Axis("bit_depth [m]", system)
-    drawing = style.sheet(7.5, 6.5, f"{title}: largest trip speed within the window")
+    drawing = style.sheet(7.5, 6.5, f"{at.title}: largest trip speed within the window")
     axes = drawing.subplots()
     for operation, color in zip(OPERATIONS, LINE_COLORS, strict=False):
         for pipe, dash in DASHES.items():
@@ -327,3 +304,13 @@ def _trip_speeds(table: Table, title: str, system: System) -> Any:
     axes.invert_yaxis()
     axes.legend(frameon=False, fontsize=8)
     return drawing.fitted()
+
+
+PICTURES: Pictures = {
+    "flow_curve": ((FLOW_CURVE_TABLE,), _flow_curve),
+    "losses": ((LOSS_TABLE,), _losses),
+    "pressure_profile": ((PROFILE_TABLE,), _profile),
+    "rheology": ((FITS_TABLE, READINGS_TABLE), _rheology),
+    "surge": ((SURGE_TABLE,), _surge),
+    "max_trip_speed": ((TRIP_SPEED_TABLE,), _trip_speeds),
+}

@@ -2,41 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.json_file import read_summary
-from drillpetsc.output.files.run_folder import LIMITS_TABLE, RunFolder
-from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.run_folder import LIMITS_TABLE
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import System, display_unit
 
-Table = dict[str, np.ndarray]
 LIMIT = "#b03060"  # colour of limits
 DASH, DOTS = (0, (5, 2)), (0, (1, 1.5))
 BLUE, ORANGE, GREEN = LINE_COLORS[:3]
-
-
-def limits_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the limits, by the name of the picture; none if the folder has no limits.csv.
-
-    system: units of the axes.
-    """
-    if not (folder / LIMITS_TABLE).exists():
-        return {}
-    table = read_table(folder / LIMITS_TABLE)
-    if not len(table["md [m]"]):
-        return {}
-    summary_file = RunFolder(folder).summary
-    summary = read_summary(summary_file) if summary_file.exists() else {}
-    doing = str(summary.get("operation", "")).replace("_", " ")
-    heading = f"{title}: limits, {doing}".rstrip(", ")
-    return {"limits": lambda: _limits(table, heading, summary, system)}
 
 
 @dataclass(frozen=True)
@@ -72,9 +51,13 @@ class _Track:
             axes.text(0.5, 0.5, "not known", transform=axes.transAxes, ha="center", color="0.4")
 
 
-def _limits(table: Table, title: str, summary: dict[str, Any], system: System) -> Any:
+def _limits(at: Source) -> Any:
     """Six panels over the depth: forces, torque, stresses, buckling, side force, dogleg."""
-    drawing = style.sheet(13.0, 9.0, title)
+    table, summary, system = at.table(LIMITS_TABLE), at.summary, at.system
+    if not len(table["md [m]"]):
+        return None
+    doing = str(summary.get("operation", "")).replace("_", " ")
+    drawing = style.sheet(13.0, 9.0, f"{at.title}: limits, {doing}".rstrip(", "))
     grid = drawing.subplots(2, 3, sharey=True)
     length, _, unit = display_unit("length", system, plot=True)
     depth = table["md [m]"] / length
@@ -167,3 +150,6 @@ def _limit_of_joints(table: Table, choices: dict[str, Any]) -> np.ndarray:
     side = table["side_force_per_joint [N]"]
     most = float(choices.get("side_force_per_joint", np.nan))
     return np.where(np.isfinite(side), most, np.nan)
+
+
+PICTURES: Pictures = {"limits": ((LIMITS_TABLE,), _limits)}

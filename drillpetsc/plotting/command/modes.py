@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.files.fields import cross_section_axes
-from drillpetsc.output.files.tables import read_table
 from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Source
 from drillpetsc.plotting.style import LINE_COLORS
 
 SHOWN = 8  # modes in the picture
@@ -22,16 +22,16 @@ PARTS = {  # quantity drawn, by kind of mode
 }
 
 
-def draw_modes(folder: Path, title: str) -> Any:
+def draw_modes(at: Source) -> Any:
     """Shapes of the first modes along measured depth, each scaled to 1: solid the real, dashed the imaginary part.
 
     Returns None if the folder holds no shapes.
     """
-    files = sorted((folder / "modes").glob("mode_*.vtu"))[:SHOWN]
+    files = sorted((at.folder.path / "modes").glob("mode_*.vtu"))[:SHOWN]
     if not files:
         return None
-    table = read_table(folder / "modes.csv")
-    drawing = style.sheet(max(1.6 * len(files) + 1.0, 6.0), 8.0, f"{title}: modes")
+    table = at.table("modes.csv")
+    drawing = style.sheet(max(1.6 * len(files) + 1.0, 6.0), 8.0, f"{at.title}: modes")
     tracks = drawing.subplots(1, len(files), sharey=True, squeeze=False)[0]
     for k, (axes, file) in enumerate(zip(tracks, files, strict=True)):
         kind = str(table["kind [-]"][k])

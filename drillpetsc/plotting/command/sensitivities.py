@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE, UNCERTAIN_TABLE
-from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.shown_units import key_unit, shown_unit
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command.torque_drag import OPERATIONS
+from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import System, display_unit
 
@@ -21,21 +19,17 @@ MOST_BARS, MOST_PANELS = 12, 6
 UP, DOWN = LINE_COLORS[0], LINE_COLORS[1]
 
 
-def sensitivity_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """A function that draws the tornado; none if the folder has no sensitivities.csv, or no key has an effect."""
-    if not (folder / SENSITIVITIES_TABLE).exists():
-        return {}
-    table = {
-        name.partition(" [")[0]: values for name, values in read_table(folder / SENSITIVITIES_TABLE).items()
-    }
+def _short(table: Table) -> Table:
+    """A table with columns by their names without units."""
+    return {split_name(title)[0]: values for title, values in table.items()}
+
+
+def _tornado(at: Source) -> Any:
+    """A panel for each output at the deepest bit depth, in units of the axes; None if no key has an effect."""
+    table, system = _short(at.table(SENSITIVITIES_TABLE)), at.system
     effect = np.asarray(table["effect"], dtype=float)
     if not np.any(np.nan_to_num(effect)):
-        return {}
-    return {"tornado": lambda: _tornado(table, effect, f"{title}: effect of a change of each key", system)}
-
-
-def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, system: System) -> Any:
-    """A panel for each output at the deepest bit depth, in units of the axes."""
+        return None
     depth = np.asarray(table["bit_depth"], dtype=float)
     deepest = np.ones(len(depth), dtype=bool)
     if np.isfinite(depth).any():
@@ -48,7 +42,8 @@ def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, syste
     names = names[:MOST_PANELS]
     rows = -(-len(names) // 2) if len(names) > 1 else 1
     bars = max(_bars(table, effect, deepest, name).size for name in names)
-    drawing = style.sheet(13.0 if len(names) > 1 else 8.5, 1.2 + rows * (1.1 + 0.34 * bars), title)
+    heading = f"{at.title}: effect of a change of each key"
+    drawing = style.sheet(13.0 if len(names) > 1 else 8.5, 1.2 + rows * (1.1 + 0.34 * bars), heading)
     grid = drawing.subplots(rows, min(len(names), 2), squeeze=False)
     for axes, name in zip(grid.flat, names, strict=False):
         _panel(axes, table, effect, _bars(table, effect, deepest, name), system)
@@ -57,7 +52,7 @@ def _tornado(table: dict[str, np.ndarray], effect: np.ndarray, title: str, syste
     return drawing.fitted()
 
 
-def _bars(table: dict[str, np.ndarray], effect: np.ndarray, chosen: np.ndarray, name: str) -> np.ndarray:
+def _bars(table: Table, effect: np.ndarray, chosen: np.ndarray, name: str) -> np.ndarray:
     """Rows of the bars of an output, the largest effect first."""
     mine = np.flatnonzero(
         chosen & (table["output"].astype(str) == name) & (effect != 0) & np.isfinite(effect)
@@ -65,9 +60,7 @@ def _bars(table: dict[str, np.ndarray], effect: np.ndarray, chosen: np.ndarray, 
     return mine[np.argsort(-np.abs(effect[mine]))][:MOST_BARS]
 
 
-def _panel(
-    axes: Any, table: dict[str, np.ndarray], effect: np.ndarray, rows: np.ndarray, system: System
-) -> None:
+def _panel(axes: Any, table: Table, effect: np.ndarray, rows: np.ndarray, system: System) -> None:
     output = str(table["output"][rows[0]])
     size, unit = shown_unit(output.rpartition(".")[2], str(table["output_unit"][rows[0]]), system, plot=True)
     values = effect[rows] / size
@@ -98,25 +91,17 @@ def _panel(
 LEAST_DEPTHS = 2  # of a band
 
 
-def uncertain_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """A function that draws the bands; none without uncertain.csv, or with rows at one depth only."""
-    if not (folder / UNCERTAIN_TABLE).exists():
-        return {}
-    table = {name.partition(" [")[0]: values for name, values in read_table(folder / UNCERTAIN_TABLE).items()}
+def _bands(at: Source) -> Any:
+    """A panel for each quantity, with a band for each operation from the lowest to the highest quantile; None at one depth only."""
+    table, summary, system = _short(at.table(UNCERTAIN_TABLE)), at.summary, at.system
     depth = np.asarray(table["bit_depth"], dtype=float)
     if len(np.unique(depth[np.isfinite(depth)])) < LEAST_DEPTHS:
-        return {}
-    summary = read_summary(folder / "summary.json")
-    return {"uncertain": lambda: _bands(table, summary, title, system)}
-
-
-def _bands(table: dict[str, np.ndarray], summary: dict[str, Any], title: str, system: System) -> Any:
-    """A panel for each quantity, with a band for each operation from the lowest to the highest quantile."""
+        return None
     outputs = table["output"].astype(str)
     names = list(dict.fromkeys(q.rpartition(".")[2] for q in outputs))
     levels = summary["levels"]
     low, high = (f"P{100 * levels[i]:.4g}" for i in (0, -1))
-    drawing = style.sheet(6.5 * len(names), 7.5, f"{title}: {low} to {high}, {summary['samples']} samples")
+    drawing = style.sheet(6.5 * len(names), 7.5, f"{at.title}: {low} to {high}, {summary['samples']} samples")
     panels = drawing.subplots(1, len(names), sharey=True, squeeze=False)[0]
     length, _, unit = display_unit("length", system)
     for axes, name in zip(panels, names, strict=True):
@@ -149,7 +134,7 @@ def _bands(table: dict[str, np.ndarray], summary: dict[str, Any], title: str, sy
 
 def _band(
     axes: Any,
-    table: dict[str, np.ndarray],
+    table: Table,
     rows: np.ndarray,
     levels: list[float],
     sizes: tuple[float, float],
@@ -162,3 +147,9 @@ def _band(
     depth = depth.reshape(-1, len(levels))[:, 0]
     axes.fill_betweenx(depth, value[:, 0], value[:, -1], color=color, alpha=0.25, linewidth=0)
     axes.plot(value[:, len(levels) // 2], depth, color=color, label=text)
+
+
+PICTURES: Pictures = {
+    "tornado": ((SENSITIVITIES_TABLE,), _tornado),
+    "uncertain": ((UNCERTAIN_TABLE,), _bands),
+}

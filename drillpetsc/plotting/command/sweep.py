@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.geometry.frames import high_side
+from drillpetsc.geometry.well import direction
 from drillpetsc.output.files.run_folder import ABSENT, SWEEP_PICTURES, SWEEP_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
-from drillpetsc.plotting.run.hole_path import direction, high_side
+from drillpetsc.plotting.source import Source
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import display_unit
 
@@ -71,9 +72,9 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
     paths = drilled_paths(folder)
     into = folder if out is None else Path(out)
     into.mkdir(parents=True, exist_ok=True)
-    title = str(_summary(folder).get("title") or folder.name)
+    title = Source(RunFolder(folder)).title
     first = next((f for f in sorted(folder.glob(f"*/{RunFolder(folder).case.name}"))), folder)
-    with style.look(), style.in_units(style.UNITS.get() or style.units_of_run(first)):
+    with style.of_case(first, style.UNITS.get()):
         files: list[Path] = []
         if not paths:
             drawing = results(folder, title)
@@ -122,17 +123,12 @@ def results(folder: Path, title: str) -> Any:
 
 
 # ---------------------------------------------------------------------- data of the folder
-def _summary(folder: Path) -> dict[str, Any]:
-    file = RunFolder(folder).summary
-    return read_summary(file) if file.is_file() else {}
-
-
 def drilled_paths(folder: Path) -> list[Path3]:
     """New hole of every member that is done; the build rate of an unfinished run would not be comparable."""
     table = read_table(folder / SWEEP_TABLE)
     titles = list(table)
     keys = [title for title in titles[1 : titles.index("status")] if not title.endswith(" (SI)")]
-    known = _summary(folder).get("units", {})
+    known = RunFolder(folder).read_summary().get("units", {})
     units = {key: known.get(key, "") for key in keys}
     found = []
     for i, length in enumerate(table.get("drilled [m]", ())):
@@ -431,7 +427,7 @@ def build_rates(paths: list[Path3], title: str) -> Any:
     drawing = _figure(9.0, 6.0, f"{title}: average build rate")
     axes = drawing.subplots()
     unit, size = shown_unit(first, paths)
-    rate, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
+    rate, _, per = display_unit("dogleg", style.system())
     rate *= np.degrees(30.0)  # to the unit, from deg/30 m
     for number, (words, members) in enumerate(groups.items()):
         members = sorted(members, key=lambda p: p.numbers[first])

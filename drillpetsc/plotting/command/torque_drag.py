@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,12 +13,10 @@ from drillpetsc.output.files.run_folder import (
     ROADMAP_FILE,
     ROADMAP_TABLE,
 )
-from drillpetsc.output.files.tables import read_table
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import System, display_unit
-
-Table = dict[str, np.ndarray]
 
 #: operation -> words, colour; in the order of a broomstick from its left
 FREE_COLOR = "#e0a800"  # seen on the curve of rotating off bottom, which it follows
@@ -45,30 +40,11 @@ OTHER_PIPE = (
 BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
 
 
-def torque_drag_drawers(folder: Path, title: str, system: System) -> dict[str, Callable[[], Any]]:
-    """Functions that draw the tables that a run folder holds, by the name of the picture; none if it holds none of them.
-
-    system: units of the axes.
-    """
-    drawers: dict[str, Callable[[], Any]] = {}
-    if (folder / ROADMAP_TABLE).exists() and (folder / ROADMAP_FILE).exists():
-        inputs = json.loads((folder / ROADMAP_FILE).read_text(encoding="utf-8"))
-        table = read_table(folder / ROADMAP_TABLE)
-        drawers["roadmap_hook_load"] = lambda: _hook_load(table, inputs, title, system)
-        drawers["roadmap_torque"] = lambda: _torque(table, inputs, title, system)
-    if (folder / CALIBRATION_TABLE).exists():
-        drawers["calibration"] = lambda: _calibration(
-            read_table(folder / CALIBRATION_TABLE), read_summary(folder / "summary.json"), title, system
-        )
-    if (folder / CALIBRATION_SERIES).exists():
-        drawers["calibration_series"] = lambda: _series(read_table(folder / CALIBRATION_SERIES), title)
-    return drawers
-
-
-def _series(table: Table, title: str) -> Any:
+def _series(at: Source) -> Any:
     """The columns of a log over time, beside the run with the fitted numbers."""
+    table = at.table(CALIBRATION_SERIES)
     names = [column.split(" read [")[0] for column in table if " read [" in column]
-    drawing = style.sheet(10.0, 1.5 + 2.2 * len(names), f"{title}: log and run with the fitted numbers")
+    drawing = style.sheet(10.0, 1.5 + 2.2 * len(names), f"{at.title}: log and run with the fitted numbers")
     panels = drawing.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(panels, names, strict=True):
         title_read = next(column for column in table if column.startswith(f"{name} read ["))
@@ -83,12 +59,15 @@ def _series(table: Table, title: str) -> Any:
     return drawing.fitted()
 
 
-def _calibration(table: Table, summary: dict[str, Any], title: str, system: System) -> Any:
+def _calibration(at: Source) -> Any:
     """Residuals over the bit depth in standard errors, and the open-hole factor of each point alone."""
-    depth, _, unit = display_unit("length", system)
+    table, summary = at.table(CALIBRATION_TABLE), at.summary
+    depth, _, unit = display_unit("length", at.system)
     md, operation = table["bit_depth [m]"] / depth, table["operation [-]"]
     marks = {"hook_load": ("o", "hook load"), "surface_torque": ("^", "surface torque")}
-    drawing = style.sheet(11.0, 6.5, f"{title}: measured points and {_MODELS[summary.get('model', 'soft')]}")
+    drawing = style.sheet(
+        11.0, 6.5, f"{at.title}: measured points and {_MODELS[summary.get('model', 'soft')]}"
+    )
     left, right = drawing.subplots(1, 2, sharey=True)
     size = 6 if len(md) < MANY_POINTS else 3
     residual = table["residual [N or N m]"] / table["sigma [N or N m]"]
@@ -149,13 +128,14 @@ def _pair_words(pair: tuple[float, float, str]) -> str:
     return ", ".join(filter(None, words))
 
 
-def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System) -> Any:
+def _hook_load(at: Source) -> Any:
     """Hook load over the bit depth: the broomstick."""
+    table, inputs = at.table(ROADMAP_TABLE), read_summary(at.folder.path / ROADMAP_FILE)
     total = "hook_load_total [N]" in table
     column = "hook_load_total [N]" if total else "hook_load [N]"
     block = inputs["block_weight [N]"] or 0.0
     words = "Hook load with block" if total else "Hook load of the string"
-    drawing, axes, size, depth = _frame(f"{title}: hook load", words, "force", system)
+    drawing, axes, size, depth = _frame(f"{at.title}: hook load", words, "force", at.system)
     _curves(axes, table, column, size, depth)
     lines = inputs["lines [m, N]"]
     md = np.array(lines["bit_depth"]) / depth
@@ -177,12 +157,13 @@ def _hook_load(table: Table, inputs: dict[str, Any], title: str, system: System)
     return _finish(drawing, axes, table, inputs, extra, depth)
 
 
-def _torque(table: Table, inputs: dict[str, Any], title: str, system: System) -> Any:
+def _torque(at: Source) -> Any:
     """Surface torque over the bit depth, of the operations that have one."""
+    table, inputs = at.table(ROADMAP_TABLE), read_summary(at.folder.path / ROADMAP_FILE)
     column = "surface_torque [N m]"
     if not np.nanmax(np.abs(table[column]), initial=0.0) > 0:
         return None
-    drawing, axes, size, depth = _frame(f"{title}: surface torque", "Surface torque", "torque", system)
+    drawing, axes, size, depth = _frame(f"{at.title}: surface torque", "Surface torque", "torque", at.system)
     turning = [
         o
         for o in OPERATIONS
@@ -194,7 +175,7 @@ def _torque(table: Table, inputs: dict[str, Any], title: str, system: System) ->
     extra = []
     if inputs["max_surface_torque [N m]"] is not None:
         extra.append(_rig_limit(axes, inputs["max_surface_torque [N m]"] / size, "largest torque"))
-    extra += _strength(axes, inputs.get("torque_lines"), size, depth)
+    extra += _strength(axes, inputs["torque_lines"], size, depth)
     _measured(axes, inputs, "torque", size, depth, 0.0)
     axes.set_xlim(left=0)
     return _finish(drawing, axes, some, inputs, extra, depth)
@@ -211,16 +192,12 @@ def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
     return "none", "-", f"rig: {words}\n{limit:.4g}, off the picture"
 
 
-def _strength(
-    axes: Any, lines: dict[str, Any] | None, size: float, depth: float
-) -> list[tuple[str, Any, str]]:
+def _strength(axes: Any, lines: dict[str, Any], size: float, depth: float) -> list[tuple[str, Any, str]]:
     """Draw the limits of the pipe at the rig over the bit depth; returns the entries of the legend.
 
     lines: None in a folder of an older version.
     """
     out: list[tuple[str, Any, str]] = []
-    if lines is None:
-        return out
     md = np.array(lines["bit_depth [m]"], dtype=float) / depth
     largest = FAR_LIMIT * axes.get_xlim()[1]
     for key, dash, words in (
@@ -387,3 +364,11 @@ def _finish(
         )
     axes.legend(handles=handles, frameon=False, fontsize=8.5, loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return drawing
+
+
+PICTURES: Pictures = {
+    "roadmap_hook_load": ((ROADMAP_TABLE, ROADMAP_FILE), _hook_load),
+    "roadmap_torque": ((ROADMAP_TABLE, ROADMAP_FILE), _torque),
+    "calibration": ((CALIBRATION_TABLE,), _calibration),
+    "calibration_series": ((CALIBRATION_SERIES,), _series),
+}

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
-from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,10 +10,11 @@ import numpy as np
 from drillpetsc import vibration
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import INDICES_TABLE
-from drillpetsc.output.files.tables import read_table, split_name
-from drillpetsc.output.sensors.files import read_sensor, sensor_names
+from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.sensors.files import read_sensor
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run.signals import Signal
+from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS, display_unit, label, words
 from drillpetsc.plotting.thinning import envelope
 
@@ -144,18 +142,7 @@ def draw_power(signal: Signal, title: str, segment: float | None = None) -> Any:
 
 
 # ---------------------------------------------------------------------- pictures of every folder that has the tables
-def vibration_drawers(folder: Path, title: str) -> dict[str, Callable[[], Any]]:
-    """Functions that draw indices, whirl and sensors of a folder, by name; None if there is nothing to draw."""
-    drawers: dict[str, Callable[[], Any]] = {}
-    if (folder / INDICES_TABLE).is_file():
-        drawers["indices"] = lambda: draw_indices(read_table(folder / INDICES_TABLE), title)
-        drawers["whirl"] = lambda: draw_whirl(read_table(folder / INDICES_TABLE), title)
-    for name in sensor_names(folder):
-        drawers[f"sensor_{name}"] = partial(draw_sensor, folder, name, title)
-    return drawers
-
-
-def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str) -> Any:
+def _panels(table: Table, titles: list[list[str]], heading: str) -> Any:
     """Groups of columns below each other over the time; None without a group."""
     kept = [part for group in titles if (part := [t for t in group if np.isfinite(table[t]).any()])]
     time = next(iter(table.values()))
@@ -182,8 +169,9 @@ def _panels(table: dict[str, np.ndarray], titles: list[list[str]], heading: str)
     return drawing.fitted()
 
 
-def draw_indices(table: dict[str, np.ndarray], title: str) -> Any:
+def draw_indices(at: Source) -> Any:
     """Indices over the ends of their windows."""
+    table = at.table(INDICES_TABLE)
     numbers = [t for t in list(table)[2:] if table[t].dtype.kind == "f"]
     names = {t: split_name(t)[0] for t in numbers}
 
@@ -203,14 +191,15 @@ def draw_indices(table: dict[str, np.ndarray], title: str) -> Any:
         group("impacts"),
     ]
     window = float(next(iter(table[t] for t in table if t.startswith("window ")))[0])
-    return _panels(table, groups, f"{title}: indices of drilling dynamics, windows of {window:g} s")
+    return _panels(table, groups, f"{at.title}: indices of drilling dynamics, windows of {window:g} s")
 
 
-def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
+def draw_whirl(at: Source) -> Any:
     """Class of whirl over time and measured depth; None without probes in a hole."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
+    table = at.table(INDICES_TABLE)
     names = {
         float(name.removeprefix("whirl_")): t
         for t in table
@@ -222,7 +211,7 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     depths = sorted(names)
     classes = list(WHIRL_COLORS)
     rows = np.array([[classes.index(str(c)) for c in table[names[d]]] for d in depths])
-    drawing = style.sheet(11.0, 1.7 + 0.5 * max(len(depths), 2), f"{title}: whirl over time and depth")
+    drawing = style.sheet(11.0, 1.7 + 0.5 * max(len(depths), 2), f"{at.title}: whirl over time and depth")
     axes = drawing.subplots()
     step = time[-1] - time[-2] if len(time) > 1 else 1.0
     edges = np.concatenate([time - step, time[-1:]])
@@ -245,13 +234,16 @@ def draw_whirl(table: dict[str, np.ndarray], title: str) -> Any:
     return drawing.fitted()
 
 
-def draw_sensor(folder: Path, name: str, title: str) -> Any:
+def draw_sensor(at: Source, name: str) -> Any:
     """Channels of a sensor over time: accelerations, rotation, loads, pressures."""
-    table = read_sensor(folder, name)
+    table = read_sensor(at.folder.path, name)
     groups: dict[str, list[str]] = {}
     for heading in list(table)[1:]:
         column, unit = split_name(heading)
         key = "motion" if column.endswith("_motion") else unit
         groups.setdefault(key, []).append(heading)
     groups.pop("motion", None)
-    return _panels(table, list(groups.values()), f"{title}: sensor {name}")
+    return _panels(table, list(groups.values()), f"{at.title}: sensor {name}")
+
+
+PICTURES: Pictures = {"indices": ((INDICES_TABLE,), draw_indices), "whirl": ((INDICES_TABLE,), draw_whirl)}

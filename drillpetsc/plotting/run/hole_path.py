@@ -1,48 +1,17 @@
-"""Pictures of the path of a hole: section and plan, and the new hole enlarged; drawn from trajectory.csv.
-
-The formulas of its directions are the same as in drillpetsc.geometry (manual: eq-conv-direction, eq-conv-high-side). They are
-repeated here because plotting reads run folders only and imports no solver code; a test compares the two.
-"""
+"""Pictures of the path of a hole: section and plan, and the new hole enlarged; drawn from trajectory.csv."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from drillpetsc.geometry.trajectory import COURSE, dogleg
+from drillpetsc.geometry.well import direction
 from drillpetsc.plotting import style
+from drillpetsc.plotting.source import Table
 from drillpetsc.plotting.style import LINE_COLORS
 from drillpetsc.unit_systems import display_unit
-
-FloatArray = npt.NDArray[np.float64]
-
-COURSE = 30.0  # length to which build rates and dogleg severities refer [m]
-
-
-def direction(inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> FloatArray:
-    """Unit tangent (..., 3), north-east-down, from inclination and azimuth (...) [rad]."""
-    i, a = np.broadcast_arrays(np.asarray(inclination, dtype=float), np.asarray(azimuth, dtype=float))
-    return np.stack([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)], axis=-1)
-
-
-def high_side(tangent: FloatArray) -> FloatArray:
-    """Unit vector (3,) normal to ``tangent`` (3,) towards the high side of the hole; north in a vertical
-    hole."""
-    up = np.array([0.0, 0.0, -1.0])
-    side = up - tangent * (up @ tangent)
-    if np.linalg.norm(side) < 1e-6:
-        north = np.array([1.0, 0.0, 0.0])
-        side = north - tangent * (north @ tangent)
-    return side / np.linalg.norm(side)
-
-
-def dogleg(one: FloatArray, two: FloatArray) -> FloatArray:
-    """Angle (...) [rad] between unit vectors (..., 3)."""
-    return 2 * np.arctan2(np.linalg.norm(two - one, axis=-1), np.linalg.norm(one + two, axis=-1))
-
-
-Table = dict[str, np.ndarray]
 
 ABOVE = 10.0  # length of old hole shown above the new hole [m]
 #: by unit of depth: lengths over which the dogleg severity is computed, the local one first [m]
@@ -122,7 +91,7 @@ def new_hole(table: Table, title: str, drilled: float) -> Any:
     shown = np.union1d(md[md > top], top)
     length, unit = style.depth_unit()
     depth, kink = shown / length, start / length
-    size, _, per = display_unit("dogleg", style.UNITS.get() or "metric")
+    size, _, per = display_unit("dogleg", style.system())
     turned = np.degrees(np.unwrap(np.radians(table["azimuth [deg]"])))
     drawing = style.sheet(9.5, 7.5, f"{title}: new hole, {drilled / length:.4g} {unit}")
     tracks = drawing.subplots(1, 3, sharey=True)

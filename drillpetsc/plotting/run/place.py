@@ -58,8 +58,7 @@ def read_wall(path: str | os.PathLike) -> Wall:
 def place_of(frame: Frame, wall: Wall | None) -> Place:
     """Place of the string of a frame in its hole, None without one."""
     data, points = frame.point_data, np.asarray(frame.points, dtype=float)
-    rest = points - data.get("displacement [m]", np.zeros_like(points))
-    md = data.get("md [m]", np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1))))
+    md, rest = at_rest(frame)
     if wall is not None and "offset_x [m]" in data:
         along = wall.tangents(md)
         first = high_sides(along)
@@ -67,7 +66,17 @@ def place_of(frame: Frame, wall: Wall | None) -> Place:
         offset = np.column_stack((data["offset_x [m]"], data["offset_y [m]"]))
         lateral = offset[:, :1] * first + offset[:, 1:] * second
         return Place(md, offset, points - lateral, lateral)
-    first, second = cross_section_axes(rest)
-    lateral = points - rest
-    offset = np.column_stack((np.sum(lateral * first, axis=1), np.sum(lateral * second, axis=1)))
-    return Place(md, offset, rest, lateral)
+    return Place(md, offset_across(rest, points - rest), rest, points - rest)
+
+
+def at_rest(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
+    """Measured depth (n,) and points (n, 3) of a string at rest [m]."""
+    data, points = frame.point_data, np.asarray(frame.points, dtype=float)
+    rest = points - data.get("displacement [m]", np.zeros_like(points))
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1)))
+    return np.asarray(data.get("md [m]", along), dtype=float), rest
+
+
+def offset_across(rest: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Components (n, 2) of displacements (n, 3) across a string through the points ``rest`` (n, 3)."""
+    return np.column_stack([np.sum(moved * axis, axis=1) for axis in cross_section_axes(rest)])

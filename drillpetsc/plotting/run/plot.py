@@ -9,7 +9,7 @@ import os
 import re
 import textwrap
 from collections.abc import Callable, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -17,38 +17,24 @@ import numpy as np
 
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.fields import read_series
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import (
-    CAMPBELL_TABLE,
-    CRITICAL_MAP_TABLE,
-    REFLECTION_TABLE,
-    RESPONSE_TABLE,
-    STABILITY_TABLE,
     SWEEP_TABLE,
     RunFolder,
 )
-from drillpetsc.output.files.tables import read_numbers, read_table, read_titles, split_name
+from drillpetsc.output.files.tables import read_numbers, read_titles, split_name
 from drillpetsc.output.files.vtk import read_frame
+from drillpetsc.output.sensors.files import sensor_names
 from drillpetsc.plotting import style
-from drillpetsc.plotting.command.frequency import (
-    draw_campbell,
-    draw_critical_map,
-    draw_reflection,
-    draw_response,
-    draw_stability,
-)
-from drillpetsc.plotting.command.hydraulics import hydraulics_drawers
-from drillpetsc.plotting.command.limits import limits_drawers
+from drillpetsc.plotting.command import frequency, hydraulics, limits, sensitivities, torque_drag, vibration
 from drillpetsc.plotting.command.modes import draw_modes
-from drillpetsc.plotting.command.sensitivities import sensitivity_drawers, uncertain_drawers
 from drillpetsc.plotting.command.sweep import draw_sweep
-from drillpetsc.plotting.command.torque_drag import torque_drag_drawers
-from drillpetsc.plotting.command.vibration import draw_power, draw_waterfall, vibration_drawers
+from drillpetsc.plotting.command.vibration import draw_power, draw_sensor, draw_waterfall
 from drillpetsc.plotting.run.hole_path import new_hole, well_path
 from drillpetsc.plotting.run.signals import signal
+from drillpetsc.plotting.source import Pictures, Source
 from drillpetsc.plotting.style import GROUND, LINE_COLORS, WALL, display_unit, label, words
 from drillpetsc.plotting.thinning import envelope, last_passages
-from drillpetsc.unit_systems import System, system_named
+from drillpetsc.unit_systems import System
 from drillpetsc.unit_systems import display_unit as display_unit_of
 
 Table = dict[str, np.ndarray]
@@ -80,25 +66,10 @@ def drawn(
 ) -> list[Path]:
     """As ``plot``, for a folder that may have nothing to draw: the hydraulics of one depth, say."""
     folder = RunFolder.open(run)
-    token = style.UNITS.set(units or style.units_of_run(folder.case))
-    try:
-        return _plot(folder, out, units)
-    finally:
-        style.UNITS.reset(token)
-
-
-def _plot(folder: RunFolder, out: str | os.PathLike | None, units: System | None) -> list[Path]:
-    """Draw the pictures of a run folder in the units of `style.UNITS`."""
-    if (folder.path / SWEEP_TABLE).is_file():
-        return draw_sweep(folder.path, out)
-    into = Path(out) if out is not None else folder.plots
-    into.mkdir(parents=True, exist_ok=True)
-    files = []
-    with style.look():
-        for name, drawing in drawings(folder, units).items():
-            files.append(into / f"{name}.png")
-            drawing.savefig(files[-1])
-    return files
+    with style.of_case(folder.case, units):
+        if (folder.path / SWEEP_TABLE).is_file():
+            return draw_sweep(folder.path, out)
+        return save_figures(drawings(folder, units), folder.plots if out is None else Path(out))
 
 
 def spectra(
@@ -118,21 +89,16 @@ def spectra(
     Raises CaseError for a signal that the folder does not have.
     """
     folder = RunFolder.open(run)
-    summary = read_summary(folder.summary) if folder.summary.exists() else {}
-    title = str(summary.get("title") or folder.path.name)
-    token = style.UNITS.set(units or style.units_of_run(folder.case))
+    title = Source(folder).title
     drawn: dict[str, Any] = {}
-    try:
-        with style.look():
-            for name in waterfalls:
-                found = signal(folder.path, name)
-                kind = "orders" if order else "waterfall"
-                drawn[f"{kind}_{found.file}"] = draw_waterfall(found, title, segment, order)
-            for name in powers:
-                found = signal(folder.path, name, "--psd")
-                drawn[f"psd_{found.file}"] = draw_power(found, title, segment)
-    finally:
-        style.UNITS.reset(token)
+    with style.of_case(folder.case, units):
+        for name in waterfalls:
+            found = signal(folder.path, name)
+            kind = "orders" if order else "waterfall"
+            drawn[f"{kind}_{found.file}"] = draw_waterfall(found, title, segment, order)
+        for name in powers:
+            found = signal(folder.path, name, "--psd")
+            drawn[f"psd_{found.file}"] = draw_power(found, title, segment)
     return drawn
 
 
@@ -160,24 +126,19 @@ def figures(
     first: the first picture only.
     """
     folder = RunFolder.open(run)
-    token = style.UNITS.set(units or style.units_of_run(folder.case))
-    try:
-        with style.look():
-            return drawings(folder, units, names, first)
-    finally:
-        style.UNITS.reset(token)
+    with style.of_case(folder.case, units):
+        return drawings(folder, units, names, first)
 
 
 def picture_names(run: str | os.PathLike) -> list[str]:
     """Names of the pictures that the tables of a run folder may give; a table without rows gives none."""
-    return list(_drawers(RunFolder.open(run), None))
+    return list(_drawers(Source(RunFolder.open(run))))
 
 
-def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], Any]]:
+def _drawers(at: Source) -> dict[str, Callable[[], Any]]:
     """Functions that draw the pictures of a folder, by name; they return None if there is nothing to draw."""
-    summary = read_summary(folder.summary) if folder.summary.exists() else {}
-    title = str(summary.get("title") or folder.path.name)
     drawers: dict[str, Callable[[], Any]] = {}
+    folder, title = at.folder, at.title
     read = lru_cache(maxsize=1)(read_numbers)  # tables of long runs would not fit side by side
     if folder.history.exists():
         operation, numerics = grouped(read_titles(folder.history))
@@ -189,35 +150,8 @@ def _drawers(folder: RunFolder, units: System | None) -> dict[str, Callable[[], 
         clearances = _clearances(folder)
         drawers["orbits"] = lambda: _orbits(read(folder.probes), clearances, title)
         drawers["probes"] = lambda: _probes(read(folder.probes), clearances, title)
-    drawers |= vibration_drawers(folder.path, title)
-    if folder.statics.exists():
-        drawers["along_depth"] = lambda: _along_depth(read_table(folder.statics), title)
-    if (folder.path / "modes.csv").exists():
-        drawers["modes"] = lambda: draw_modes(folder.path, title)
-    if (folder.path / CAMPBELL_TABLE).exists():
-        drawers["campbell"] = lambda: draw_campbell(folder.path, title)
-    if (folder.path / CRITICAL_MAP_TABLE).exists():
-        drawers["critical_map"] = lambda: draw_critical_map(folder.path, title)
-    if (folder.path / STABILITY_TABLE).exists():
-        drawers["stability_map"] = lambda: draw_stability(folder.path, title)
-    if (folder.path / RESPONSE_TABLE).exists():
-        drawers["response"] = lambda: draw_response(folder.path, title)
-    if (folder.path / REFLECTION_TABLE).exists():
-        drawers["reflection"] = lambda: draw_reflection(folder.path, title)
-    system = units or system_named(summary.get("units")) or "metric"
-    drawers |= hydraulics_drawers(folder.path, title, system)
-    drawers |= torque_drag_drawers(folder.path, title, system)
-    drawers |= limits_drawers(folder.path, title, system)
-    drawers |= sensitivity_drawers(folder.path, title, system)
-    drawers |= uncertain_drawers(folder.path, title, system)
-    if folder.trajectory.exists():
-        path, drilled = (
-            read_table(folder.trajectory),
-            summary.get("new_hole", {}).get("drilled [m]", 0.0),
-        )
-        drawers["trajectory"] = lambda: well_path(path, title, drilled)
-        drawers["new_hole"] = lambda: new_hole(path, title, drilled)
-    return drawers
+    drawers |= {f"sensor_{name}": partial(draw_sensor, at, name) for name in sensor_names(folder.path)}
+    return drawers | {name: partial(draw, at) for name, (files, draw) in PICTURES.items() if at.has(*files)}
 
 
 def drawings(
@@ -229,7 +163,7 @@ def drawings(
     names, first: as for `figures`.
     """
     drawn: dict[str, Any] = {}
-    for name, draw in _drawers(folder, units).items():
+    for name, draw in _drawers(Source(folder, units)).items():
         drawing = draw() if names is None or name in names else None
         if drawing is not None:
             drawn[name] = drawing
@@ -388,7 +322,7 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         max(3.9 * columns, 6.5), 0.7 + 4.1 * rows, f"{title}: orbits of the string's centre"
     )
     lines = None
-    size, _, unit = display_unit_of("diameter", style.UNITS.get() or "metric")
+    size, _, unit = display_unit_of("diameter", style.system())
     length, depth_text = style.depth_unit()
     digits = 1 if unit == "mm" else 3
     grid = drawing.subplots(rows, columns, squeeze=False)
@@ -524,3 +458,22 @@ def _along_depth(table: Table, title: str) -> Any:
         axes.set_ylabel(f"{words(depth_title)} [{depth_text}]")
     grid[0, 0].set_ylim(depth.max(), depth.min())
     return drawing.fitted()
+
+
+PICTURES: Pictures = {
+    **vibration.PICTURES,
+    "along_depth": (("statics.csv",), lambda at: _along_depth(at.table("statics.csv"), at.title)),
+    "modes": (("modes.csv",), draw_modes),
+    **frequency.PICTURES,
+    **hydraulics.PICTURES,
+    **torque_drag.PICTURES,
+    **limits.PICTURES,
+    **sensitivities.PICTURES,
+    "trajectory": (("trajectory.csv",), lambda at: well_path(*_drilled(at))),
+    "new_hole": (("trajectory.csv",), lambda at: new_hole(*_drilled(at))),
+}
+
+
+def _drilled(at: Source) -> tuple[Table, str, float]:
+    """Path of the hole, title, and length of the new hole [m]."""
+    return at.table("trajectory.csv"), at.title, at.summary.get("new_hole", {}).get("drilled [m]", 0.0)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.output.files.fields import cross_section_axes
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.files.vtk import Frame
 from drillpetsc.plotting import style
+from drillpetsc.plotting.run.place import at_rest, offset_across
 
 LARGE = (
     0.02  # lateral displacement over length above which a string without a hole is drawn in its true shape
@@ -76,19 +76,14 @@ def shape_of(frame: Frame, time: float, field: str) -> Shape:
     values = np.asarray(data[field], dtype=float)
     values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
     hole, outer = data.get("hole_radius [m]"), data.get("outer_radius [m]")
-    moved = np.asarray(data.get("displacement [m]", np.zeros_like(points)), dtype=float)
-    rest = points - moved
-    md = data.get("md [m]")
-    if md is None:
-        md = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(rest, axis=0), axis=1))))
+    md, rest = at_rest(frame)
     if "offset_x [m]" in data and "offset_y [m]" in data:
         offset = np.column_stack((data["offset_x [m]"], data["offset_y [m]"]))
     else:
-        first, second = cross_section_axes(rest)
-        offset = np.column_stack((np.sum(moved * first, axis=1), np.sum(moved * second, axis=1)))
+        offset = offset_across(rest, points - rest)
     length = max(float(md[-1] - md[0]), 1e-12)
     bent = hole is None and float(np.abs(offset).max()) > LARGE * length
-    return Shape(time, np.asarray(md, dtype=float), offset, hole, outer, points, values, bent)
+    return Shape(time, md, offset, hole, outer, points, values, bent)
 
 
 def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:

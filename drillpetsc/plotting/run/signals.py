@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from drillpetsc.errors import CaseError
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import RunFolder
 from drillpetsc.output.files.tables import read_table, split_name
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
@@ -62,8 +61,7 @@ def signal(folder: Path, name: str, at: str = "--waterfall") -> Signal:
     if len(time) < 4 or values.dtype.kind != "f":
         raise CaseError(at=at, got=name, want=f"a column of numbers with at least 4 rows, not {len(time)}")
     limit, told = 0.5 * (len(time) - 1) / float(time[-1] - time[0]), ""
-    summary = read_summary(RunFolder(folder).summary) if RunFolder(folder).summary.is_file() else {}
-    for row in summary.get("sensors", ()):
+    for row in RunFolder(folder).read_summary().get("sensors", ()):
         if row.get("name") == source and row.get("coarse_share"):
             limit = float(row["resolved_to"])
             told = (

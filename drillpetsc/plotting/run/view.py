@@ -18,13 +18,13 @@ from typing import Any, Literal
 import numpy as np
 
 from drillpetsc.output.files.fields import read_series
-from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import RunFolder
 from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.plotting import style
 from drillpetsc.plotting.run import panels, render
 from drillpetsc.plotting.run.panels import Paint, Update
 from drillpetsc.plotting.run.shape import Shape, colour_field, cut, half_width, shape_of, smooth
+from drillpetsc.plotting.source import Source
 from drillpetsc.unit_systems import System
 
 
@@ -150,21 +150,16 @@ def view(
     if animate:
         check_suffix(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    title = read_summary(folder.summary).get("title", "") if folder.summary.exists() else ""
-    token = style.UNITS.set(units or style.units_of_run(folder.case))
-    try:
-        with style.look():
-            paint = _paint(shapes, field, interval)
-            drawing = style.figure(*SIZE, dpi=72 if animate else 120)
-            look = Look(lateral_scale, interval, renderer, say)
-            draw = _compose(drawing, shapes, paint, str(title or folder.path.name), look)
-            if not animate:
-                draw(shapes[-1])
-                drawing.savefig(path)
-            else:
-                write_animation(drawing, draw, shapes, path, frames_per_second, paint.cmap)
-    finally:
-        style.UNITS.reset(token)
+    with style.of_case(folder.case, units):
+        paint = _paint(shapes, field, interval)
+        drawing = style.figure(*SIZE, dpi=72 if animate else 120)
+        look = Look(lateral_scale, interval, renderer, say)
+        draw = _compose(drawing, shapes, paint, Source(folder).title, look)
+        if not animate:
+            draw(shapes[-1])
+            drawing.savefig(path)
+        else:
+            write_animation(drawing, draw, shapes, path, frames_per_second, paint.cmap)
     return path
 
 

@@ -98,7 +98,7 @@ def schematic(string: Sequence[Piece], hole: Sequence[Piece], title: str) -> Any
 
     string: items from the top down; hole: sections from the top down, may be empty
     """
-    system = style.UNITS.get() or "metric"
+    system = style.system()
     size, unit = style.depth_unit()
     width, _, width_unit = display_unit("diameter", system)
     end = string[-1].bottom

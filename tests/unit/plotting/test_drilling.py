@@ -13,9 +13,8 @@ import pytest
 from PIL import Image
 
 from drillpetsc.case.schema import unit_of
-from drillpetsc.geometry import frames, trajectory, well
 from drillpetsc.geometry.trajectory import angles
-from drillpetsc.geometry.well import Well
+from drillpetsc.geometry.well import Well, direction
 from drillpetsc.output import RunFolder, read_table, write_summary, write_table
 from drillpetsc.output.files.run_folder import SWEEP_PICTURES
 from drillpetsc.plotting import style
@@ -28,7 +27,6 @@ from drillpetsc.plotting.command.sweep import (
     trajectories,
 )
 from drillpetsc.plotting.run import hole_path
-from drillpetsc.plotting.run.hole_path import direction
 from drillpetsc.plotting.run.plot import plot
 from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.table import Plan
@@ -219,21 +217,6 @@ def test_failed_members_and_members_without_new_hole_are_not_drawn(tmp_path: Pat
     assert draw_sweep(folder) == []
     with pytest.raises(FileNotFoundError, match="drilled"):
         plot(folder)
-
-
-def test_directions_are_those_of_the_geometry() -> None:
-    """Plotting repeats the formulas of the geometry, so that it needs run folders only."""
-    inclination, azimuth = (
-        np.radians([0.0, 3.0, 40.0, 90.0, 120.0]),
-        np.radians([10.0, 359.0, 0.0, 90.0, 200.0]),
-    )
-    tangents = direction(inclination, azimuth)
-    assert np.array_equal(tangents, well.direction(inclination, azimuth))
-    for tangent in tangents:
-        assert np.array_equal(hole_path.high_side(tangent), frames.high_side(tangent))
-    shown = hole_path.dogleg(tangents[:-1], tangents[1:])
-    assert np.array_equal(shown, trajectory.dogleg(tangents[:-1], tangents[1:]))
-    assert hole_path.COURSE == trajectory.COURSE
 
 
 def test_scales_are_round() -> None:

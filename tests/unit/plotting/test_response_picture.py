@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import write_table
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
 from drillpetsc.plotting.command.frequency import draw_response
+from drillpetsc.plotting.source import Source
 
 COLUMNS = [
     ("rotary_speed", "rpm"), ("place", "-"), ("lateral_amplitude", "m"), ("axial_amplitude", "m"),
@@ -27,7 +28,7 @@ def panels(tmp_path):
         0 * size, ["linear", "lifts", "linear"] * 2,
     ]  # fmt: skip
     write_table(tmp_path / RESPONSE_TABLE, COLUMNS, values)
-    drawing = draw_response(tmp_path, "case")
+    drawing = draw_response(Source(RunFolder(tmp_path)))
     return {axes.get_ylabel(): axes for axes in drawing.axes}
 
 

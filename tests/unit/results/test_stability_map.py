@@ -9,8 +9,10 @@ import pytest
 
 from drillpetsc.api.runs import open_run
 from drillpetsc.output import write_summary, write_table
+from drillpetsc.output.files.run_folder import RunFolder
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command.frequency import draw_stability
+from drillpetsc.plotting.source import Source
 from drillpetsc.results.datasets import Columns
 
 SPEEDS, WEIGHTS = [60.0, 90.0, 120.0], [4e4, 8e4]
@@ -72,7 +74,7 @@ def test_the_map_marks_the_case_and_has_contours(folder: Path) -> None:
     columns = [("rotary_speed", "rpm"), ("weight_on_bit", "N"), ("largest_growth", "1/s")]
     write_table(folder / "stability_map.csv", columns, [speed, weight, weight / 1e5 - speed / 100])
     with style.look():
-        axes = draw_stability(folder, "By hand").axes[0]
+        axes = draw_stability(Source(RunFolder(folder))).axes[0]
     (star,) = (line for line in axes.lines if line.get_label() == "the case")
     assert star.get_xdata() == [75.0] and star.get_ydata() == [60.0]
     (lines,) = (c for c in axes.collections if hasattr(c, "levels"))

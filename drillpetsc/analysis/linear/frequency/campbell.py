@@ -31,11 +31,11 @@ from drillpetsc.analysis.linear.frequency.tracking import (
 from drillpetsc.analysis.linear.frequency.turning import TurningModel
 from drillpetsc.analysis.linear.linearised_model import linearise_model
 from drillpetsc.analysis.linear.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
+from drillpetsc.analysis.linear.modes import KINDS
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities import MODE_KINDS as KINDS
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised

@@ -30,10 +30,9 @@ from drillpetsc.case.blocks.items.reamer import Reamer
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
-from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.frequency import CAMPBELL, CRITICAL, CRITICAL_MAP
+from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import CampbellSummary
 from drillpetsc.output.summaries.summary import MISSING
 
@@ -103,12 +102,11 @@ def critical_map(
     return out
 
 
-def map_columns(found: list[tuple[float, Critical]]) -> list[Any]:
-    """Columns of critical_map.csv."""
-    rows = [
+def map_rows(found: list[tuple[float, Critical]]) -> list[Any]:
+    """Rows of critical_map.csv."""
+    return [
         [k, c.branch, c.kind, c.whirl, c.excitation, c.line, rpm_of(c.speed), c.frequency] for k, c in found
     ]
-    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * 8
 
 
 SHARP = 0.1  # damping ratio below which a critical speed near the case's speed is warned of
@@ -146,20 +144,16 @@ def run_campbell(
         found = campbell(states, sought, frequency == "wn")
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
     summary = _summary(case, found, sought, states, frequency).as_dict()
-    if comm.rank == 0:
-        folder.write_case(case)
-        write_table(folder.path / CAMPBELL_TABLE, CAMPBELL, _campbell_columns(found))
-        rows = _critical_columns(found, summary["case_speed"])
-        write_table(folder.path / CRITICAL_TABLE, CRITICAL, rows)
-        if stiffness:
-            columns = [q.column for q in CRITICAL_MAP]
-            write_table(folder.path / CRITICAL_MAP_TABLE, columns, map_columns(by_wall))
-        write_summary(folder.summary, summary)
+    tables: list[FileTable] = [
+        (CAMPBELL_TABLE, COLUMNS["campbell"], _campbell_rows(found)),
+        (CRITICAL_TABLE, COLUMNS["critical"], _critical_rows(found, summary["case_speed"])),
+    ]
     shown = _lines(case, found, summary)
     if stiffness:
+        tables.append((CRITICAL_MAP_TABLE, COLUMNS["critical_map"], map_rows(by_wall)))
         said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
         shown.append(said)
-    return job.noted(folder, summary, shown)
+    return job.result(folder, summary, shown, tables)
 
 
 def _blades(case: Case) -> tuple[float, ...]:
@@ -237,7 +231,7 @@ def _summary(
     )
 
 
-def _campbell_columns(found: Campbell) -> list[Any]:
+def _campbell_rows(found: Campbell) -> list[Any]:
     rows = []
     for branch in found.branches:
         for (k, j), mac in zip(branch.points, branch.mac, strict=True):
@@ -250,16 +244,15 @@ def _campbell_columns(found: Campbell) -> list[Any]:
                 rpm_of(modes.speed), branch.number, s.imag / (2 * np.pi), abs(s) / (2 * np.pi), ratio, decrement, s.real,
                 modes.kind[j], modes.whirl[j], mac, last,
             ])  # fmt: skip
-    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CAMPBELL)
+    return rows
 
 
-def _critical_columns(found: Campbell, case_speed: float) -> list[Any]:
-    rows = [
+def _critical_rows(found: Campbell, case_speed: float) -> list[Any]:
+    return [
         [c.branch, c.kind, c.whirl, c.excitation, c.line, rpm_of(c.speed), c.frequency, c.damping_ratio, c.amplification,
          margin(c, case_speed)]
         for c in found.critical
     ]  # fmt: skip
-    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * len(CRITICAL)
 
 
 def _lines(case: Case, found: Campbell, summary: dict[str, Any]) -> list[str]:

@@ -6,7 +6,6 @@ Manual: sec-response.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,12 +34,11 @@ from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import RESPONSE_TABLE, RunFolder
+from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.frequency import RESPONSE, RESPONSE_STRESS
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
@@ -256,7 +254,7 @@ def _rows(at: _Shaken, word: str) -> list[list[Any]]:
             out.append([*head, lateral, 0.0, 0.0, axial, 0.0, turning, 0.0, axial, turning, lateral,
                         lateral / shape.clearance[k] if np.isfinite(shape.clearance[k]) else np.nan, word])  # fmt: skip
             if steady is not None:
-                out[-1] += [np.nan] * len(RESPONSE_STRESS)
+                out[-1] += [np.nan] * len(COLUMNS["response_stress"])
             continue
         cell, end = (place.node - 1, 1) if place.node else (0, 0)
         while cell > 0 and np.isclose(shape.mesh.length[cell], 0.0):
@@ -355,7 +353,6 @@ def run_response(
                     closed=closed,
                 )
             )
-            _write(case, folder.path, table)
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
         )
@@ -369,9 +366,8 @@ def run_response(
             static_solutions=states.solved,
             warnings=[*notes, *warnings],
         ).as_dict()
-        if comm.rank == 0:
-            write_summary(folder.summary, summary)
-    return job.noted(folder, summary, _lines(case, summary))
+    columns = (*COLUMNS["response"], *(COLUMNS["response_stress"] if stress else ()))
+    return job.result(folder, summary, _lines(case, summary), [(RESPONSE_TABLE, columns, table)])
 
 
 def _load(
@@ -483,7 +479,7 @@ def _closed_contacts(model: DrillingModel) -> int:
     return count
 
 
-STRESSES = (len(RESPONSE), len(RESPONSE) + 1)  # columns of stress amplitudes
+STRESSES = (len(COLUMNS["response"]), len(COLUMNS["response"]) + 1)  # columns of stress amplitudes
 PEAKED = (4, 7, 9, 11, 12, 13, *STRESSES)  # columns of amplitudes
 
 
@@ -495,17 +491,10 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
         for k in PEAKED:
             if k >= len(row):
                 continue
-            column = (*RESPONSE, *RESPONSE_STRESS)[k].name
+            column = (*COLUMNS["response"], *COLUMNS["response_stress"])[k].name
             if row[k] > entry.get(column, (-1.0, 0.0))[0]:
                 entry[column] = (row[k], row[0])
     return list(peaks.values())
-
-
-def _write(case: Case, folder: Path, table: list[list[Any]]) -> None:
-    RunFolder(folder).write_case(case)
-    columns = [np.array(column) for column in zip(*table, strict=True)]
-    names = [q.column for q in (*RESPONSE, *RESPONSE_STRESS)][: len(columns)]
-    write_table(folder / RESPONSE_TABLE, names, columns)
 
 
 SHOWN = (

@@ -23,15 +23,14 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import (
     BOUNDARY_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
 )
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.frequency import STABILITY_BOUNDARY, STABILITY_MAP, STABILITY_RUNS
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import StabilitySummary
 from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import display_unit
@@ -194,17 +193,15 @@ def run_stability(
             if speed == speeds[-1]:
                 edges += boundaries(growth, speeds)
     summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
-    if comm.rank == 0:
-        folder.write_case(case)
-        rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
-        write_table(folder.path / STABILITY_TABLE, STABILITY_MAP, _columns(rows, 6))
-        rows = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
-        write_table(folder.path / BOUNDARY_TABLE, STABILITY_BOUNDARY, _columns(rows, 3))
-        if runs:
-            rows = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
-            write_table(folder.path / STABILITY_RUNS_TABLE, STABILITY_RUNS, _columns(rows, 6))
-        write_summary(folder.summary, summary)
-    return job.noted(folder, summary, _lines(case, points, edges, summary))
+    rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
+    ends = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
+    did = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
+    tables: list[FileTable] = [
+        (STABILITY_TABLE, COLUMNS["stability_map"], rows),
+        (BOUNDARY_TABLE, COLUMNS["stability_boundary"], ends),
+    ]
+    tables += [(STABILITY_RUNS_TABLE, COLUMNS["stability_runs"], did)] if runs else []
+    return job.result(folder, summary, _lines(case, points, edges, summary), tables)
 
 
 def _summary(
@@ -237,10 +234,6 @@ def _summary(
         warnings=doubts_at(Mapped(case, points, IMBALANCE_SHARE, behaviours, differ)),
         runs=MISSING if duration is None else did,
     )
-
-
-def _columns(rows: list[list[Any]], count: int) -> list[np.ndarray]:
-    return [np.array(column) for column in zip(*rows, strict=True)] if rows else [np.zeros(0)] * count
 
 
 def _lines(case: Case, points: list[Point], edges: list[Boundary], summary: dict[str, Any]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict
 from typing import Any
 
@@ -44,10 +44,10 @@ from drillpetsc.doubts.moments import Answer
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
-from drillpetsc.output import write_rows, write_summary, write_table
-from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE, RunFolder
-from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.limits import CONTACTS, LIMITS
+from drillpetsc.output.files.json_file import plain
+from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
+from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling
@@ -101,6 +101,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         doubts, remarks = (doubts_at(at_rest, kind) for kind in ("warning", "remark"))
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
+        tables: list[FileTable] = []
         if comm.rank == 0:
             assert found is not None
             hole, pipe = Surroundings(model), Strength(model, choices)
@@ -132,7 +133,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                     "true": _neutral_point(table, "axial_force"),
                 },
                 weakest=judged.weakest,
-                contacts=[{k: _plain(v) for k, v in row.items()} for row in contacts],
+                contacts=plain(contacts),
                 rig=None if case.rig is None else case.rig.model_dump(),
                 notes=[
                     *remarks,
@@ -145,21 +146,12 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 buckling={} if buckled is None else buckled.as_dict(),
                 warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             ).as_dict()
-            folder.write_case(given)  # as the user has it; the summary has the operation
-            _write_tables(folder, table, contacts)
-            write_summary(folder.summary, summary)
             answer = summary
+            present = [q for q in COLUMNS["limits"] if q.name in table]
+            rows_present = zip(*(table[q.name] for q in present), strict=True)
+            tables = [(LIMITS_TABLE, present, rows_present), (CONTACTS_TABLE, COLUMNS["contacts"], contacts)]
         summary = comm.tompi4py().bcast(answer)
-    return job.result(folder, summary, _lines(given, summary, units))
-
-
-def _write_tables(
-    folder: RunFolder, table: Mapping[str, FloatArray], contacts: Sequence[Mapping[str, Any]]
-) -> None:
-    """Write limits.csv and contacts.csv."""
-    present = [q for q in LIMITS if q.name in table]
-    write_table(folder.path / LIMITS_TABLE, present, [table[q.name] for q in present])
-    write_rows(folder.path / CONTACTS_TABLE, CONTACTS, contacts)
+    return job.result(folder, summary, _lines(given, summary, units), tables)
 
 
 def _rotation(case: Case, word: str | None) -> float:
@@ -173,12 +165,6 @@ def _rotation(case: Case, word: str | None) -> float:
 
 
 # ---------------------------------------------------------------------- summary
-def _plain(value: Any) -> Any:
-    if isinstance(value, float | np.floating):
-        return None if np.isnan(value) else float(value)
-    return value
-
-
 def _torque_notes(case: Case, word: str | None) -> list[str]:
     """Where the torque on bit and the speeds of the operation come from, where the case does not give them."""
     bottom, bit = case.bottom, case.string[-1]
@@ -316,9 +302,7 @@ def _lines(case: Case, summary: dict[str, Any], units: System) -> list[str]:
         *_contact_rows(summary, units),
     ]
     lines = [f"{case.title or 'case'}: limits, {doing}", *told_lines]
-    lines += [f"  {label:<38}{text}" for label, text in rows]
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines + [f"  {label:<38}{text}" for label, text in rows]
 
 
 Row = tuple[str, str]  # label and text of a printed row

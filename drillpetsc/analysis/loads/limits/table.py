@@ -15,7 +15,7 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import JOINT
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.items.tubulars import DrillPipe, Jointed, Tubular
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output.quantities.limits import LIMITS
+from drillpetsc.output.quantities.tables import COLUMNS
 
 WORDS = ("item", "grade", "class", "buckling_state")  # columns of words
 
@@ -224,7 +224,10 @@ def rows(model: DrillingModel, values: dict[str, FloatArray]) -> dict[str, Any]:
     table["middle"] = np.array([middle[i] for i in labels])  # orders rows where items meet
     table = _with_rigid_items(model, table, values)
     order = np.lexsort((table.pop("middle"), np.round(table["md"], 6)))
-    return {name: table[name][order] for name in (*(q.name for q in LIMITS if q.name in table), "jointed")}
+    return {
+        name: table[name][order]
+        for name in (*(q.name for q in COLUMNS["limits"] if q.name in table), "jointed")
+    }
 
 
 def buckling_states(table: dict[str, Any]) -> np.ndarray:

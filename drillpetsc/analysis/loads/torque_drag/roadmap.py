@@ -56,11 +56,11 @@ from drillpetsc.case.blocks.roadmap import MeasuredPoint, Roadmap
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
-from drillpetsc.output import write_rows, write_summary
+from drillpetsc.output import write_summary
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
-from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.torque_drag import BESIDE, ROADMAP
-from drillpetsc.output.shown_units import lengths_shown, shown_unit
+from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, plain
 
 #: models of the string by the word of `--model`
@@ -310,30 +310,25 @@ def run_roadmap(
     }
     if table is not None:
         summary["measured"] = table.summary
+    absent = {
+        "hook_load_total": asked.block_weight is None,
+        "hook_load_reading": sensor == Sensor(),
+        "ff_groups": not asked.pairs[0].groups,
+    }
+    tables: list[FileTable] = [] if table is None else [(MEASURED_TABLE, COLUMNS["beside"], table.rows)]
+    tables.append((ROADMAP_TABLE, [q for q in COLUMNS["roadmap"] if not absent.get(q.name, False)], rows))
     if job.comm.rank == 0:
-        folder.write_case(case)
-        if table is not None:
-            write_rows(folder.path / MEASURED_TABLE, BESIDE, table.rows)
-        absent = {
-            "hook_load_total": asked.block_weight is None,
-            "hook_load_reading": sensor == Sensor(),
-            "ff_groups": not asked.pairs[0].groups,
-        }
-        write_rows(folder.path / ROADMAP_TABLE, [q for q in ROADMAP if not absent.get(q.name, False)], rows)
         write_summary(
             folder.path / ROADMAP_FILE,
             _inputs(asked, points) | {"model": model, "torque_lines": lines_of_torque},
         )
-        write_summary(folder.summary, summary)
     lines = [f"{case.title or 'case'}: roadmap, {MODELS[model]}, {len(rows)} rows"]
     lines += [f"  {told(case, plan, word, system)}" for word in plan.operations]
     lines += _lines(asked, rows, system)
     lines += measured_lines(found, system)
     lines += table.lines(system) if table is not None else []
     lines += _compared(stiff, len(rows)) if stiff else []
-    lines += [f"  WARNING: {w}" for w in warnings]
-    lines += [f"  note: {lengths_shown(n, system)}" for n in asked.notes]
-    return job.result(folder, summary, lines)
+    return job.result(folder, summary, lines, tables)
 
 
 def _solved(asked: RowsAsked, model: str, comm: PETSc.Comm) -> tuple[list[dict[str, Any]], dict[str, Any]]:

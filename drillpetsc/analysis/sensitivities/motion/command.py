@@ -16,16 +16,18 @@ from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import TOLERANCE, RunOfCase, RunSeries, converged
-from drillpetsc.analysis.sensitivities.rows import plain, row_of, row_of_check, without_effect, write_rows
+from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.output import write_summary, write_table
-from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY
+from drillpetsc.output import write_table
+from drillpetsc.output.files.json_file import plain
+from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
@@ -82,8 +84,8 @@ def run_sensitivities_of_run(
         title=case.title,
         analysis="run",
         outputs={q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
-        sensitivities=[plain(row) for row in rows],
-        checked=[plain(row_of_check(at)) for at in compared],
+        sensitivities=plain(rows),
+        checked=plain([row_of_check(at) for at in compared]),
         cost=cost,
         skipped=series.skipped,
         units=case.shown_units,
@@ -92,14 +94,12 @@ def run_sensitivities_of_run(
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
-        folder.write_case(case)
-        write_rows(folder.path, rows)
         units = {name: q.unit for name, q in described.items()}
         every = case.output.history_every
         rows_at = _rows(series.times, series.times[-1] if every is None else float(every))
         _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series, rows_at)
-        write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(case, found, summary))
+    tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
+    return job.result(folder, summary, _lines(case, found, summary), tables)
 
 
 def _until(series: RunSeries, column: int, names: Sequence[str]) -> dict[str, float]:
@@ -284,7 +284,6 @@ def _lines(case: Case, found: Sequence[Derivative], summary: dict[str, Any]) -> 
         lines.append(
             f"  {len(summary['checked'])} derivatives checked by runs with the same steps: largest error {worst:.1e}"
         )
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
     if summary["skipped"]:
         lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
-    return lines + [f"  note: {note}" for note in summary["notes"]]
+    return lines

@@ -25,10 +25,9 @@ from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
 from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
-from drillpetsc.output import write_summary, write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.torque_drag import MEASURED
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.unit_systems import System, shown
 
 FEWEST_DEPTHS = (
@@ -91,38 +90,33 @@ def run_calibrate(
     warnings, further = _warnings(work, fit, parameters, drift), next_readings(work, fit)
     summary = _summary(case, work, fit, system, warnings, notes) | {"readings": len(work.data.value)}
     summary |= _of_depth(fit, drift, prediction) | {"next_readings": [asdict(q) for q in further]}
-    folder = job.make_folder()
-    if job.comm.rank == 0:
-        folder.write_case(case)
-        columns = _rows(
-            work, fit.computed, np.full(len(fit.computed), np.nan), alone_by_reading(work, fit), "fitted"
-        )
-        if prediction is not None:
-            alone = np.full(len(prediction.computed), np.nan)
-            more = _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")
-            columns = {name: [*cells, *more[name]] for name, cells in columns.items()}
-        write_table(
-            folder.path / CALIBRATION_TABLE, [q.column for q in MEASURED], [columns[q.name] for q in MEASURED]
-        )
-        write_summary(folder.summary, summary)
-    return job.result(folder, summary, _lines(work, fit, summary, told(further, work)))
+    nothing = np.full(len(fit.computed), np.nan)
+    rows = _rows(work, fit.computed, nothing, alone_by_reading(work, fit), "fitted")
+    if prediction is not None:
+        alone = np.full(len(prediction.computed), np.nan)
+        rows += _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")
+    lines = _lines(work, fit, summary, told(further, work))
+    return job.result(job.make_folder(), summary, lines, [(CALIBRATION_TABLE, COLUMNS["measured"], rows)])
 
 
-def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> dict[str, Any]:
-    """Columns of calibration.csv for the readings of some points."""
+def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> list[dict[str, Any]]:
+    """Rows of calibration.csv for the readings of some points."""
     d, points = work.data, work.points
-    return {
-        "bit_depth": [points[i].bit_depth for i in d.point],
-        "operation": [points[i].operation for i in d.point],
-        "compared": ["hook_load" if hook else "surface_torque" for hook in d.hook],
-        "measured": d.value,
-        "computed": computed,
-        "residual": computed - d.value,
-        "sigma": d.sigma,
-        "part": [part] * len(d.point),
-        "band": band,
-        "ff_open_hole_alone": alone,
-    }
+    return [
+        {
+            "bit_depth": points[i].bit_depth,
+            "operation": points[i].operation,
+            "compared": "hook_load" if d.hook[k] else "surface_torque",
+            "measured": d.value[k],
+            "computed": computed[k],
+            "residual": computed[k] - d.value[k],
+            "sigma": d.sigma[k],
+            "part": part,
+            "band": band[k],
+            "ff_open_hole_alone": alone[k],
+        }
+        for k, i in enumerate(d.point)
+    ]
 
 
 def _of_depth(fit: Fit, drift: Drift | None, prediction: Prediction | None) -> dict[str, Any]:
@@ -270,6 +264,4 @@ def _lines(work: Calibration, fit: Fit, summary: dict[str, Any], further: str) -
             f"  held out, {name.replace('_', ' ')}: {row['readings']} readings, bias {row['bias']:+.2%}, rms {row['rms']:.2%}, 95 % "
             f"within {row['p95']:.2%}, largest {row['largest']:.2%}; {row['in_band']:.0%} inside the 90 % band"
         )
-    lines += [f"  WARNING: {w}" for w in summary["warnings"]]
-    lines += [f"  next: {further}"] if further else []
-    return lines + [f"  note: {n}" for n in summary["notes"]]
+    return lines + ([f"  next: {further}"] if further else [])
