@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
-from drillpetsc.fem.component import ElementBlock
+from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
