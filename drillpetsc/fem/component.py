@@ -469,6 +469,9 @@ class Component:
     def follow_hole(self, well: Well) -> None:
         """Use the wall of a borehole that has grown."""
 
+    def forget_hole(self) -> None:
+        """Let the next ``locate_hole`` evaluate the hole everywhere, not only where the string has moved since the last."""
+
     def locate_hole(self, state: Any) -> None:
         """Evaluate size and direction of the hole at the string's present position."""
 

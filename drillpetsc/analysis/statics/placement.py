@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.statics.steady_flow import release_flow, set_fluid_at_rest
+from drillpetsc.analysis.statics.steady_flow import SteadyFlow, release_flow, set_fluid_at_rest
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE, JOINT, Start
 from drillpetsc.model.drilling_model import DrillingModel
@@ -118,10 +118,10 @@ def share_of_top(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
     return shares[0], shares[1]
 
 
-def move_rigidly(model: DrillingModel) -> None:
+def move_rigidly(model: DrillingModel) -> SteadyFlow:
     """Set the rates of every node to the rotation and the lowering that the top prescribes at time 0, and a motor's.
 
-    Those of a string whose lower end is held fall to zero there.
+    Those of a string whose lower end is held fall to zero there.  Returns how the flow about it was found.
     """
     if model.beam.moves:
         tangent, curvature = hole_at_string(model)
@@ -133,7 +133,7 @@ def move_rigidly(model: DrillingModel) -> None:
         model.beam.set_rigid_motion(model.system, tangent, curvature, lowering * along, spin)
         for component in model.components:
             component.first_cut(model.system.assembly)
-    release_flow(model)
+    return release_flow(model)
 
 
 def release(model: DrillingModel, at_rest: bool = False) -> None:

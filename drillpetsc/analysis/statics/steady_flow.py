@@ -183,15 +183,17 @@ def freeze_flow(model: DrillingModel, t: float = 0.0, tolerance: float = CONVERG
         model.system.assembly.freeze(fluid_unknowns(model.system))
 
 
-def release_flow(model: DrillingModel) -> None:
+def release_flow(model: DrillingModel) -> SteadyFlow:
     """Release all unknowns, solve for the steady flow at the string's present rates, update the reactions.
 
     Collective.
     """
-    if model.fluid is not None:
-        model.system.assembly.freeze(None)
-        steady_flow(model.system, 0.0)
-        model.system.sum_residual(0.0, model.system.new_condensed())
+    if model.fluid is None:
+        return SteadyFlow()
+    model.system.assembly.freeze(None)
+    found = steady_flow(model.system, 0.0)
+    model.system.sum_residual(0.0, model.system.new_condensed())
+    return found
 
 
 def _fill_chamber(system: DiscreteSystem) -> None:

@@ -283,6 +283,10 @@ class AnnulusFlow(ChannelFlow):
         return update
 
     # ------------------------------------------------------------------ the hole at the string's position
+    def forget_hole(self) -> None:
+        if self.moving_hole is not None:
+            self.moving_hole.forget()
+
     def locate_hole(self, state) -> None:
         """Evaluate the hole at the string's present position, before a run or in statics, with mud at rest."""
         if self._swirl is not None:

@@ -33,6 +33,7 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
+ROUGH = 1e-11  # last increment of the steady flow at the start, in its scales, that a difference over STEP would show
 TOLERANCE, NEWTON = "q_snes_stol", 1e-12  # of Newton's method, at most
 
 
@@ -146,7 +147,8 @@ class RunOfCase:
         skips: keys that cannot be followed are left out, with the reasons; else CaseError is raised.
         """
         model, tangent = self.model, None
-        if self.case.initial.from_ == "statics":
+        # a held string has no state of its own, and the flow is found below
+        if self.case.initial.from_ == "statics" and model.beam.moves:
             start = model.top.anchor.copy()
             state = find_equilibrium(model)
             tangent = StaticTangent(model, state, start, None) if keys else None
@@ -161,17 +163,7 @@ class RunOfCase:
                     raise refusal_of(key, error) from None
                 skipped[key.name] = error.want
         for each in (model, *(m for n in found for m in n.models)):
-            release(each)
-            if (
-                each.fluid is not None
-                and each.fluid.annulus is not None
-                and each.fluid.annulus.moving_hole is not None
-            ):
-                each.fluid.annulus.moving_hole.forget()  # statics has evaluated it at places on its way
-            move_rigidly(each)
-            for component in each.components:
-                component.settle(0.0, each.system.assembly)
-            find_reactions(each)
+            _begin_motion(each)
         return found, skipped
 
     def _neighbours(self, key: Key, tangent: StaticTangent | None) -> Neighbours:
@@ -216,6 +208,19 @@ class RunOfCase:
 def _unknowns(model: DrillingModel) -> tuple[object, ...]:
     """What must be equal for the unknowns to correspond, the same on all ranks."""
     return model.mesh.nodes, *((f.name, f.size) for f in model.system.layout.fields)
+
+
+def _begin_motion(model: DrillingModel) -> None:
+    """Change from statics to motion; collective.  Raises CaseError if the flow at the start is too rough to be differenced."""
+    release(model)
+    for component in model.components:
+        component.forget_hole()  # statics has evaluated it at places on its way
+    if move_rigidly(model).increment > ROUGH:
+        want = "a steady flow at the start that Newton's method finds to rounding: a larger fluid.rheology.shear_rate smooths a yield stress"
+        raise CaseError(at="--analysis", got="run", want=want)
+    for component in model.components:
+        component.settle(0.0, model.system.assembly)
+    find_reactions(model)
 
 
 def _rest(model: DrillingModel) -> None:
