@@ -348,6 +348,19 @@ CONTROLS = {
 # ---------------------------------------------------------------------- derivatives and samples
 CASES = Path(__file__).parents[2] / "cases"
 PATH_OF_SURVEY = "  well.survey: {path: {inclination: 0.1 deg, lateral: 0.2 deg, length: 800 m}}\n"
+#: a string that turns on the wall of a curved hole and is lowered
+IN_MUD = {
+    "well": {
+        "survey": {"md": [0, 60, 120], "inclination": [0.3, 0.3, 0.6], "azimuth": [0, 0, 0]},
+        "sections": [{"to": 120, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
+    },
+    "string": [m.drill_pipe(100.0, 10, 1e-3), {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60, "nozzle_area": 4e-4}],
+    "fluid": MUD,
+    "top": {"kind": "top_drive", "rotation": 6.0, "lowering": 0.2},
+    "bottom": "free",
+    "initial": {"from": "statics"},
+    "time": {"end": 0.2},
+}  # fmt: skip
 
 
 def same_derivatives(one: Path, other: Path) -> None:
@@ -387,6 +400,14 @@ SENSITIVITIES = {
         "formation.bit_law.static,string[0].od,top.rotation.value,material.density|--analysis|run|--set|time.end=2 s"
         "|--of|surface_torque.mean,bit_speed.max,hook_load.final",
         (3,),
+    ),
+    # hole and swirl are renewed on the way
+    "derivatives of a run in mud": Row(
+        "sensitivities|--analysis|run|--to|fluid.density,fluid.rheology.viscosity,fluid.flow_rate,well.sections[0].friction"
+        "|--of|pump_pressure.mean,bit_pressure.max,surface_torque.mean,hook_load.mean",
+        IN_MUD,
+        same_derivatives,
+        (2, 3),
     ),
     # a number of samples that the ranks do not divide
     "uncertain": Row(

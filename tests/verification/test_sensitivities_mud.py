@@ -163,7 +163,7 @@ def test_string_in_mud_with_frozen_steps(hole, integrator):
         best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
         sizes, values = np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
         # static starts of changed cases converge to 1e-10, which leaves a few 1e-6 of a column in differences
-        assert (best < 1e-4 * sizes + 2e-5 * values).all(), (key.name, best / sizes, best / values)
+        assert (best < 5e-4 * sizes + 2e-5 * values).all(), (key.name, best / sizes, best / values)
         coupled = sizes > 0.05 * values
         assert (best < 1e-3 * sizes)[coupled].all() and coupled.any(), (key.name, best / sizes)
 

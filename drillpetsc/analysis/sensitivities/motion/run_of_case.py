@@ -5,7 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from petsc4py import PETSc
@@ -26,6 +26,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi
 from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.column_series import ColumnSeries, ColumnSeriesOfSystems
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.parallel import total
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.solvers.time.beside_systems import Beside
 from drillpetsc.solvers.time.step_tangent import StepTangent
@@ -33,6 +34,8 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little
 STEP = 3e-6
+#: what the mean of both sides lacks of the run, over half of their difference; rounding in the fields' scales
+JUMPS, NOISE = 0.1, 1e-10
 ROUGH = 1e-11  # last increment of the steady flow at the start, in its scales, that a difference over STEP would show
 TOLERANCE, NEWTON = "q_snes_stol", 1e-12  # of Newton's method, at most
 
@@ -164,7 +167,19 @@ class RunOfCase:
                 skipped[key.name] = error.want
         for each in (model, *(m for n in found for m in n.models)):
             _begin_motion(each)
-        return found, skipped
+        return [self._with_kinks(n) for n in found], skipped
+
+    def _with_kinks(self, n: Neighbours) -> Neighbours:
+        """The models beside the run, flagged if the velocities at the start jump between them, as where a bend of the hole ends; collective."""
+        system = self.model.system
+        size, bends = system.layout.size, False
+        if ONE_SIDED not in n.flag and LIMIT not in n.flag:
+            low, high, here = (m.system.assembly.y[:size] for m in (*n.models, self.model))
+            lacks, half = np.abs(0.5 * (low + high) - here), 0.5 * np.abs(high - low)
+            bends = bool((lacks > JUMPS * half + NOISE * system.scale).any())
+        if not total(self.comm, float(bends)):
+            return n
+        return replace(n, flag=", ".join(filter(None, [n.flag, ONE_SIDED])))
 
     def _neighbours(self, key: Key, tangent: StaticTangent | None) -> Neighbours:
         """Models beside the run; with a ``tangent`` of the static state, else at rest.  Raises CaseError for a key that cannot be followed."""
