@@ -1,6 +1,7 @@
 """Twin experiments of `calibrate`: readings of known parameters with noise, and how often the 95 % intervals hold the truth.
 
-The table of the manual (verif-twin-calibration) comes from:  scripts/twin-calibration soft 100;  scripts/twin-calibration stiff 100
+The tables of the manual come from:  scripts/twin-calibration soft 100;  scripts/twin-calibration stiff 100 (verif-twin-calibration);
+scripts/twin-calibration runs 20;  scripts/twin-calibration runs 100 1000 (verif-twin-runs)
 """
 
 from __future__ import annotations
@@ -18,8 +19,12 @@ from drillpetsc.analysis.loads.torque_drag.readings.forward_stiff import StiffFo
 from drillpetsc.case import load_case
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
+from drillpetsc.parallel import initialise_petsc
 
 ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT))
+from tests.verification import test_calibrate_runs as runs  # noqa: E402
+
 #: parameters of the readings [SI]; the case has 0.2, 0.3, no block, 1260 kg/m3 and 6.8 kN m
 TRUTH = {
     "cased": 0.22,
@@ -84,11 +89,30 @@ class Twin:
         return np.array(out)
 
 
-def main(model: str, count: str) -> None:
-    """Print the table of a model."""
+def print_runs(seeds: range) -> None:
+    """Print how often the intervals of logs in time hold each number."""
+    for what, case, truth in (("pendulum", runs.pendulum, runs.FREE), ("bit law", runs.rock_bit, runs.LAW)):
+        pair = runs.twin(case("bdf"), truth)
+        for memory in (0.0, 0.8):
+            fits = pair.fits(runs.WHOLE, seeds, 0.02, memory)
+            missing = {seed: fit.reasons for seed, fit in zip(seeds, fits, strict=True) if fit.reasons}
+            print(
+                f"| {what}, memory {memory:g} | {pair.held(fits)} | {pair.held(fits, True)} | of {len(seeds)} |",
+                missing or "",
+                flush=True,
+            )
+
+
+def main(model: str, count: str, first: str = "0") -> None:
+    """Print the table of a model, soft, stiff or runs, for ``count`` seeds from the ``first`` on."""
+    seeds = range(int(first), int(first) + int(count))
+    if model == "runs":
+        initialise_petsc()
+        print_runs(seeds)
+        return
     twin = Twin(model)
     widths, errors = [], []
-    for seed in range(int(count)):
+    for seed in seeds:
         found = twin.fit(seed)
         widths.append(found.interval)
         errors.append(found.value - np.array(list(TRUTH.values())))

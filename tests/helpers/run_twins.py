@@ -68,13 +68,13 @@ class RunTwin:
             Path("twin.csv"), tuple(self.columns), number, time, np.concatenate(noisy), scatter, ()
         )
 
-    def fits(self, whole: int, seeds: int, share: float, memory: float = 0.0) -> list[Fit]:
+    def fits(self, whole: int, seeds: range, share: float, memory: float = 0.0) -> list[Fit]:
         """Fits of all numbers from the case's values on, one a seed; after the first ``whole`` by the run to first order about the truth."""
         clean = self.clean()
-        run, log = run_of(self.case, PETSc.COMM_SELF), self.log(clean, share, 0, memory)
-        works = [RunCalibration(run, log)] * whole + [NearTruth(run, log, self.truth)] * (seeds - whole)
+        run, log = run_of(self.case, PETSc.COMM_SELF), self.log(clean, share, seeds[0], memory)
+        works = [RunCalibration(run, log)] * whole + [NearTruth(run, log, self.truth)] * (len(seeds) - whole)
         out = []
-        for seed, work in enumerate(works):
+        for seed, work in zip(seeds, works, strict=True):
             work.read(self.log(clean, share, seed, memory))
             out.append(fit_run(work, tuple(self.truth), True, {}))
         return out

@@ -21,6 +21,7 @@ from tests.cli.test_limits_cli import CASE as LIMITS
 from tests.helpers import frequency_models as m
 from tests.helpers import top_drive_models as t
 from tests.helpers.wells import simple_well
+from tests.verification import test_sensitivities_run as run
 from tests.verification.test_critical_map import critical, shaft
 from tests.verification.test_stokes_modes import span
 
@@ -33,6 +34,7 @@ class Row:
 
     words: without the case and ``--out``; case: text or keys of a case file; ranks: numbers beside one rank.
     same(one, other): asserts that two folders agree; shows(one): asserts that the command does what the row is for.
+    log: text of a log, whose file the command gets as ``--log``; empty for none.
     """
 
     words: str
@@ -40,12 +42,16 @@ class Row:
     same: Compare
     ranks: tuple[int, ...] = (2, 3)
     shows: Callable[[Path], object] = lambda folder: None
+    log: str = ""
 
     def line(self, folder: Path, name: str, ranks: int) -> list[str]:
         """The words of the command for a number of ranks, with the case in a file."""
         file = folder / f"{name}.yaml"
         file.write_text(self.case if isinstance(self.case, str) else yaml.safe_dump(self.case))
         command, *rest = self.words.split("|")
+        if self.log:
+            (folder / f"{name}.csv").write_text(self.log)
+            rest += ["--log", str(folder / f"{name}.csv")]
         return [command, str(file), *rest, "--out", str(out_folder(folder, name, ranks))]
 
 
@@ -268,7 +274,28 @@ def beam_is_fitted(folder: Path) -> None:
     assert found["model"] == "stiff" and found["readings"] == 6
 
 
+#: rotor inertia at the end of a shaft whose top is turned with a ramp; the case says 374 kg m2
+TRUE_INERTIA = 350.0
+
+
+def speed_of_bit() -> str:
+    """A log of the torsional pendulum's bit by its closed form, a row each 0.1 s."""
+    t, w = np.arange(0.2, 3.0, 0.1), np.sqrt(run.STIFFNESS / TRUE_INERTIA)
+    speeds = run.SPEED * (1 - (np.sin(w * t) - np.sin(w * (t - run.RAMP))) / (w * run.RAMP))
+    return "\n".join(
+        ["time [s],bit speed [rad/s]", *(f"{a:.1f},{b:.6f}" for a, b in zip(t, speeds, strict=True))]
+    )
+
+
+def inertia_is_found(folder: Path) -> None:
+    assert summary(folder)["fit"]["string[1].inertia.axial"]["value"] == pytest.approx(TRUE_INERTIA, rel=2e-3)
+
+
 READINGS = {
+    "run of a calibration": Row(
+        "calibrate|--model|dynamic|--fit|string[1].inertia.axial", run.pendulum("bdf", time={"end": 3.0})._given.keys,
+        table("calibration_series.csv", share=1e-6), (2,), inertia_is_found, speed_of_bit(),
+    ),
     "beam of a calibration": Row(
         "calibrate|--model|stiff|--fit|cased,open_hole,fluid.density", MEASURED,
         table("calibration.csv", "computed [N or N m]", "residual [N or N m]", rel=1e-6, share=1e-6), (2,), beam_is_fitted,

@@ -54,13 +54,13 @@ def held(pair: RunTwin, fits: list[Fit]) -> None:
 
 def test_pendulum_with_independent_noise():
     """Stiffness and inertia of a torsional pendulum."""
-    held(pair := twin(pendulum("bdf"), FREE), pair.fits(WHOLE, SEEDS, 0.02))
+    held(pair := twin(pendulum("bdf"), FREE), pair.fits(WHOLE, range(SEEDS), 0.02))
 
 
 def test_bit_law_with_noise_that_lasts():
     """A bit that breaks loose; noise of a memory of 0.8 a row. Intervals of independent errors are then too narrow by a factor of two."""
     pair = twin(rock_bit("bdf"), LAW)
-    fits = pair.fits(WHOLE, SEEDS, 0.02, memory=0.8)
+    fits = pair.fits(WHOLE, range(SEEDS), 0.02, memory=0.8)
     held(pair, fits)
     assert sum(pair.held(fits, independent=True)) < 0.75 * SEEDS * len(LAW)
 
