@@ -153,15 +153,14 @@ class Swirl:
 
         places: (n,) of the flows in the values x, int32, -1 for none.
         """
-        here = pointer(places), pointer(x), pointer(self.flow)
-        led = self.leader
-        old = (
-            bool(_following_is_old(self._count, *here, self._state_at, limit)) if led is None else led.renewed
-        )
-        self.renewed = old
-        if old:  # the caller will change ``follow``
+        if self.leader is None:
+            here = pointer(places), pointer(x), pointer(self.flow)
+            self.renewed = bool(_following_is_old(self._count, *here, self._state_at, limit))
+        else:
+            self.renewed = self.leader.renewed
+        if self.renewed:  # the caller will change ``follow``
             self._computed = np.nan
-        return old
+        return self.renewed
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
         """Swirl (n,) [rad/s] and its rate (n,) [rad/s2] at ``t`` [s], the spins going on along their trends.
