@@ -15,7 +15,7 @@ namespace dp {
 constexpr int CONTACT_AT[4] = {0, 3, 7, 10}, CONTACT_SPIN[2] = {6, 13};  // rows of r1, v1, r2, v2 and of the spins
 
 // Change H of (force, bend, torque) by (place, r', spin) to the element: K -= S^T H S.  Rows are padded to whole groups of four.
-inline void subtract_point(const Interpolation& at, double s, const double (*H)[8], double (*K)[16]) {
+inline void subtract_point(const Interpolation<double>& at, double s, const double (*H)[8], double (*K)[16]) {
     const double share[2] = {1 - s, s};
     double W[7][16];
     for (int i = 0; i < 7; ++i) {
@@ -49,21 +49,16 @@ inline bool subtract_contact(int e, const double* x, const double* y, const doub
     const Well well(law.well);
     for (int q = 0; q < law.points; ++q) {
         const double s = law.at[2 * q], weight = law.at[2 * q + 1] * p[P::LENGTH] * p[P::HARDNESS];
-        const Interpolation at(s, p[P::LENGTH]);
-        const Vec<double> place = at.sum(at.r, r1, v1, r2, v2);
-        const int k = e * law.points + q;
-        Foot foot;
-        law.touching[k] = touches(law, well, place, p[P::RADIUS], k, foot);
-        law.normal[k] = 0;
-        if (!law.touching[k]) continue;
+        const Interpolation<double> at(s, p[P::LENGTH]);
+        HolePoint<PointDual> h;
+        if (!touches(law, well, e, q, seeded(at.sum(at.r, r1, v1, r2, v2), 0, c0), p[P::RADIUS], h)) continue;
         any = true;
         PointDual spin(y[6] * (1 - s) + y[13] * s);
         spin.set(6, c1);
         const PointLoad<PointDual> load =
-            point_load(law, well, foot, seeded(place, 0, c0), seeded(at.sum(at.r, u1, w1, u2, w2), 0, c1),
-                       seeded(at.sum(at.slope, r1, v1, r2, v2), 3, c0), seeded(at.sum(at.slope, u1, w1, u2, w2), 3, c1), spin, p[P::RADIUS],
-                       p[P::FRICTION], weight, nullptr);
-        law.normal[k] = load.normal.v;
+            point_load<PointDual, double>(law, h, seeded(at.sum(at.r, u1, w1, u2, w2), 0, c1), seeded(at.sum(at.slope, r1, v1, r2, v2), 3, c0),
+                                          seeded(at.sum(at.slope, u1, w1, u2, w2), 3, c1), spin, p[P::RADIUS], p[P::FRICTION], weight, nullptr);
+        law.normal[(long)e * law.points + q] = load.normal.v;
         const PointDual* rows[7] = {&load.force.x, &load.force.y, &load.force.z, &load.bend.x, &load.bend.y, &load.bend.z, &load.torque};
         double H[7][8];
         for (int i = 0; i < 7; ++i)

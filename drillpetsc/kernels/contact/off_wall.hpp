@@ -12,7 +12,7 @@ public:
     OffWall(const ContactLaw& l, const int* indices, const double* parameters, const double* unknowns)
         : law(l), idx(indices), par(parameters), x(unknowns), known(l.points <= POINTS) {
         for (int q = 0; known && q < law.points; ++q) {
-            const Interpolation at(law.at[2 * q], 1.0);
+            const Interpolation<double> at(law.at[2 * q], 1.0);
             for (int i = 0; i < 4; ++i) share[q][i] = at.r[i];
         }
     }
@@ -67,23 +67,34 @@ private:
     bool known;
 };
 
+// Rows R (14) and results, null or those of all elements, of four elements at a time: done(lanes) after each four that may touch.
+template <class Done>
+inline void each_near_wall(const ContactLaw& law, int n, const int* idx, const double* par, const double* x, const double* y, ContactResults* results, Pack* R,
+                           const Done& done) {
+    typedef BeamContact<false> P;
+    const OffWall off_wall(law, idx, par, x);
+    for (int e = 0; e < n; e += 4) {
+        if (e + 4 <= n && off_wall.four(e) == 15) continue;
+        Pack X[14], Y[14], parameters[P::NP];
+        const Lanes lanes(e, n);
+        lanes.gather(14, idx, x, X);
+        lanes.gather(14, idx, y, Y);
+        lanes.rows(P::NP, par, parameters);
+        P::evaluate(lanes, X, Y, parameters, law, R, results ? results + e : nullptr);
+        done(lanes);
+    }
+}
+
 // run_residual for contact along beam elements.
 inline void run_contact_residual(int n, const int* idx, const double* par, void* context, const double* x, const double* y, const double* a, double* r) {
     typedef BeamContact<false> P;
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
-    const OffWall off_wall(law, idx, par, x);
-    for (int e = 0; e < n; e += 4) {
-        const int left = n - e < 4 ? n - e : 4, free = left == 4 ? off_wall.four(e) : 0;
-        for (int l = 0; l < left; ++l) {
-            if (free >> l & 1) continue;
-            const int* at = idx + 14L * (e + l);
-            double X[14], Y[14], R[14];
-            for (int i = 0; i < 14; ++i) { X[i] = x[at[i]]; Y[i] = y[at[i]]; }
-            P::evaluate<double>(e + l, X, Y, par + (long)P::NP * (e + l), law, R, nullptr);
-            for (int i = 0; i < 14; ++i) r[at[i]] += R[i];
-        }
-    }
-    (void)a;  // forces of contact do not depend on accelerations
+    if (law.own) return run_residual<P>(n, idx, par, context, x, y, a, r);
+    Pack R[14];
+    each_near_wall(law, n, idx, par, x, y, nullptr, R, [&](const Lanes& lanes) {
+        for (int l = 0; l < lanes.count; ++l)
+            for (int i = 0; i < 14; ++i) r[idx[14L * lanes.at[l] + i]] += R[i].v[l];
+    });
 }
 
 }  // namespace dp
