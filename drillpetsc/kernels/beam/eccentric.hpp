@@ -122,13 +122,13 @@ struct EccentricNode {
 
     static Vec<D> seeded(const Pack* v, double weight) {
         Vec<D> u = {v[3], v[4], v[5]};
-        u.x.g[0] = u.y.g[1] = u.z.g[2] = Pack(weight);
+        u.x.set(0, weight); u.y.set(1, weight); u.z.set(2, weight);
         return u;
     }
     static D spin(const Pack& value, double weight, const Pack* g) {
         D u(value);
-        for (int k = 0; g && k < 3; ++k) u.g[k] = g[k] * weight;
-        u.g[3] = Pack(weight);
+        for (int k = 0; g && k < 3; ++k) u.set(k, g[k] * weight);
+        u.set(3, weight);
         return u;
     }
     // Derivative i of the offset's acceleration.

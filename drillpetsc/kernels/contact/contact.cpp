@@ -33,8 +33,10 @@ void evaluate(int n, const int* idx, const double* par, void* context, const dou
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
     for (int e = 0; e < n; ++e) out[e] = {};
     if (std::is_same_v<Kernel, ContactPlain> && !law.own) {
-        Pack R[14];
-        return each_near_wall(law, n, idx, par, x, y, out, R, [](const Lanes&) {});
+        return for_near_wall(law, n, idx, par, x, y, [&](const Lanes& lanes, const Pack* X, const Pack* Y, const Pack* P) {
+            Pack R[14];
+            ContactPlain::evaluate(lanes, X, Y, P, law, R, out + lanes.first);
+        }, [](int, int) {});
     }
     for (int e = 0; e < n; ++e) {
         double X[D], Y[D], R[D];

@@ -124,11 +124,12 @@ inline bool touches(const ContactLaw& law, const Well& well, int e, int q, const
 }
 
 // The same of elements side by side.
-inline I4 touches(const ContactLaw& law, const Well& well, const Lanes& elements, int q, const Vec<Pack>& place, const Pack& R, HolePoint<Pack>& h) {
+template <class T>
+inline I4 touches(const ContactLaw& law, const Well& well, const Lanes& elements, int q, const Vec<T>& place, const Pack& R, HolePoint<T>& h) {
     constexpr int N = sizeof(Foot) / sizeof(double);
     static_assert(sizeof(FootOf<Pack>) == N * sizeof(Pack));
     Foot feet[4];
-    Vec<Pack> x = place;
+    const Vec<Pack> x = values(place);
     bool near[4];
     int one = -1;
     for (int l = 0; l < 4; ++l) {
@@ -140,21 +141,20 @@ inline I4 touches(const ContactLaw& law, const Well& well, const Lanes& elements
     }
     I4 touching = {0, 0, 0, 0};
     if (one < 0) return touching;
-    for (int l = 0; l < 4; ++l) {  // the other lanes have the numbers of one of these
-        if (near[l]) continue;
-        feet[l] = feet[one];
-        x.x.v[l] = x.x.v[one]; x.y.v[l] = x.y.v[one]; x.z.v[l] = x.z.v[one];
-    }
+    for (int l = 0; l < 4; ++l)
+        if (!near[l]) feet[l] = feet[one];  // numbers that nobody reads, but finite
     FootOf<Pack> foot;
     const double* numbers[4] = {&feet[0].u, &feet[1].u, &feet[2].u, &feet[3].u};
     for (int i = 0; i < N; ++i) (&foot.u)[i] = Pack(V4{numbers[0][i], numbers[1][i], numbers[2][i], numbers[3][i]});
-    h = hole_point(well, foot, x);
+    const HolePoint<Pack> at = hole_point(well, foot, x);
     for (int l = 0; l < 4; ++l) {
         if (!near[l]) continue;
         const long k = (long)elements.at[l] * law.points + q;
-        law.touching[k] = is_at_wall(well, lane(x, l), R.v[l], h.rho.v[l], h.radius.v[l], h.ds_dx.v[l], law.free + 5 * k);
+        law.touching[k] = is_at_wall(well, lane(x, l), R.v[l], at.rho.v[l], at.radius.v[l], at.ds_dx.v[l], law.free + 5 * k);
         touching[l] = -(long long)law.touching[k];
     }
+    if constexpr (std::is_same_v<T, Pack>) h = at;
+    else if (any(touching)) h = hole_point(well, foot, place);
     return touching;
 }
 
@@ -249,11 +249,12 @@ inline PointLoad<T> point_load(const ContactLaw& law, const HolePoint<T>& h, con
 
 // Notes the normal forces of point q, and leaves no load elsewhere than where elements touch.
 template <class T> inline void finish(const ContactLaw& law, int e, int q, bool, PointLoad<T>& c) { law.normal[(long)e * law.points + q] = val(c.normal); }
-inline void finish(const ContactLaw& law, const Lanes& elements, int q, const I4& touching, PointLoad<Pack>& c) {
-    const Vec<Pack> none = {0.0, 0.0, 0.0};
-    c.force = blend(touching, c.force, none); c.bend = blend(touching, c.bend, none); c.torque = blend(touching, c.torque, Pack(0.0));
+template <class T> inline void finish(const ContactLaw& law, const Lanes& elements, int q, const I4& touching, PointLoad<T>& c) {
+    const Vec<T> none = {0.0, 0.0, 0.0};
+    c.force = blend(touching, c.force, none); c.bend = blend(touching, c.bend, none); c.torque = blend(touching, c.torque, T(0.0));
+    const Pack normal = val(c.normal);
     for (int l = 0; l < elements.count; ++l)
-        if (touching[l]) law.normal[(long)elements.at[l] * law.points + q] = c.normal.v[l];
+        if (touching[l]) law.normal[(long)elements.at[l] * law.points + q] = normal.v[l];
 }
 
 // Adds a contact point to the sums of its element, or of the touching ones of those side by side.

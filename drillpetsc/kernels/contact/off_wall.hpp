@@ -67,34 +67,36 @@ private:
     bool known;
 };
 
-// Rows R (14) and results, null or those of all elements, of four elements at a time: done(lanes) after each four that may touch.
-template <class Done>
-inline void each_near_wall(const ContactLaw& law, int n, const int* idx, const double* par, const double* x, const double* y, ContactResults* results, Pack* R,
-                           const Done& done) {
-    typedef BeamContact<false> P;
+// Four elements at a time: near(lanes, x, y, parameters) where one of them may touch, else off(first, count).
+template <class Near, class Off>
+inline void for_near_wall(const ContactLaw& law, int n, const int* idx, const double* par, const double* x, const double* y, const Near& near, const Off& off) {
+    constexpr int NP = BeamContact<false>::NP;
     const OffWall off_wall(law, idx, par, x);
     for (int e = 0; e < n; e += 4) {
-        if (e + 4 <= n && off_wall.four(e) == 15) continue;
-        Pack X[14], Y[14], parameters[P::NP];
+        if (e + 4 <= n && off_wall.four(e) == 15) {
+            off(e, 4);
+            continue;
+        }
+        Pack X[14], Y[14], P[NP];
         const Lanes lanes(e, n);
         lanes.gather(14, idx, x, X);
         lanes.gather(14, idx, y, Y);
-        lanes.rows(P::NP, par, parameters);
-        P::evaluate(lanes, X, Y, parameters, law, R, results ? results + e : nullptr);
-        done(lanes);
+        lanes.rows(NP, par, P);
+        near(lanes, X, Y, P);
     }
 }
 
 // run_residual for contact along beam elements.
 inline void run_contact_residual(int n, const int* idx, const double* par, void* context, const double* x, const double* y, const double* a, double* r) {
-    typedef BeamContact<false> P;
+    typedef BeamContact<false> Contact;
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
-    if (law.own) return run_residual<P>(n, idx, par, context, x, y, a, r);
-    Pack R[14];
-    each_near_wall(law, n, idx, par, x, y, nullptr, R, [&](const Lanes& lanes) {
+    if (law.own) return run_residual<Contact>(n, idx, par, context, x, y, a, r);  // which is asked for elements one by one
+    for_near_wall(law, n, idx, par, x, y, [&](const Lanes& lanes, const Pack* X, const Pack* Y, const Pack* P) {
+        Pack R[14];
+        Contact::evaluate(lanes, X, Y, P, law, R, nullptr);
         for (int l = 0; l < lanes.count; ++l)
             for (int i = 0; i < 14; ++i) r[idx[14L * lanes.at[l] + i]] += R[i].v[l];
-    });
+    }, [](int, int) {});
 }
 
 }  // namespace dp

@@ -184,7 +184,7 @@ inline I4 no(const I4& which) { return ~which; }
 inline bool any(bool which) { return which; }
 inline bool any(const I4& which) { return which[0] | which[1] | which[2] | which[3]; }
 inline Pack blend(const I4& which, const Pack& a, const Pack& b) { return Pack(which ? a.v : b.v); }
-inline Vec<Pack> blend(const I4& which, const Vec<Pack>& a, const Vec<Pack>& b) {
+template <class T> inline Vec<T> blend(const I4& which, const Vec<T>& a, const Vec<T>& b) {
     return {blend(which, a.x, b.x), blend(which, a.y, b.y), blend(which, a.z, b.z)};
 }
 // a() where `which` holds, else b(); neither is evaluated where no number needs it
