@@ -104,6 +104,38 @@ def test_local_derivatives_of_the_contact(kind, triple):
     )  # imposed friction does not depend on rates, contact has no mass
 
 
+@pytest.mark.parametrize("kind", ["contact", "contact_hertz_stribeck", "contact_imposed"])
+def test_contacts_side_by_side_are_those_of_single_elements(kind):
+    """Rows and results of elements that touch, do not touch, or have no clearance, against elements below a junction without a rigid item and
+    without stretch, which are evaluated one by one."""
+    touching = 0
+    for seed in range(20):
+        system = build(kind.replace("_imposed", ""), seed)
+        asm = system.assembly
+        asm.condense(SIGMA)
+        if "imposed" in kind:
+            system.components[1].impose_sliding_direction(0.3, 2.0, 0.5)
+        bound = next(b for b in asm.bound_blocks if b.block.kernel == "contact")
+        params = bound.block.params.copy()
+        Table.of(columns("contact_parameters"), params)["radius"][::3] *= 3.0
+        n, size = bound.count, len(asm.x)
+        x, y, a = np.append(asm.x, 1.0), np.append(asm.y, 0.0), np.append(asm.a, 0.0)
+        below_junction = np.column_stack([bound.index, np.full(n, size)]).astype(np.int32)
+        found = {}
+        for name, index in {"contact": bound.index, "contact_junction": below_junction}.items():
+            head = pointer(index), pointer(params), bound.block.context
+            rows, results = np.zeros(size + 1), np.zeros((n, columns("contact_results").width))
+            function(f"{name}_residual", "ipppppp" + "p")(n, *head, *map(pointer, (x, y, a, rows)))
+            function(f"{name}_results", "iippppp" + "p")(
+                n, index.shape[1], *head, *map(pointer, (x, y, results))
+            )
+            found[name] = rows[:size], results
+        for packed, single in zip(*found.values(), strict=True):
+            assert np.abs(packed - single).max() <= 1e-12 * np.abs(single).max()
+        touching += int((np.abs(found["contact"][1]).max(axis=1) > 0.0).sum())
+    assert touching > 20
+
+
 @pytest.mark.parametrize("triple", TRIPLES)
 def test_local_derivatives_of_a_mass_beside_the_axis(triple):
     """Seeded node by node, on bent and spinning elements whose mass centre is off the axis (kernels/beam/eccentric.hpp)."""

@@ -3,6 +3,8 @@
 // beam's consistent mass the kinetic energy is int m |r' + c'|^2/2 ds: never negative, however large the offset.
 //   virtual work   m int dr.c'' + dc.(r'' - g + c'') ds,   ' the rate
 #pragma once
+#include "beam/beam_jacobian.hpp"
+#include "core/pack_dual.hpp"
 #include "fluid/flow.hpp"
 
 namespace dp {
@@ -106,86 +108,97 @@ struct Eccentric {
     }
 };
 
-// Derivatives by the slope and the spin angle of a node, side by side.
-typedef Vec<Pack> BySlopeAndSpin;
-inline BySlopeAndSpin derivatives(const Vec<Dual<4>>& u) { return {Pack(u.x.g[0]), Pack(u.y.g[0]), Pack(u.z.g[0])}; }
-
-// What the entries of an element without rigid offset need of a node: its centre depends on slope and spin angle only.
+// What the entries of elements without rigid offset need of a node: its centre depends on slope and spin angle only, by which it is differentiated.
 struct EccentricNode {
-    Eccentric<false>::Centre<Dual<4>> centre;
-    Vec<double> arm, tangent;  // values of the offset and of the tangent over the slope's length
-    double slope;
-    BySlopeAndSpin by_centre, by_acceleration;  // of the offset's acceleration; of the slope's
+    typedef PackDual<4> D;
+    Eccentric<false>::Centre<D> centre;
+    PackVec arm, tangent;  // values of the offset and of the tangent
+    Pack over;             // 1/length of the slope
 
-    EccentricNode(const double* x, const double* y, const double* a, const double* c, const double* g, const double* reference, const double* second,
-                  const double* offset)
+    EccentricNode(const Pack* x, const Pack* y, const Pack* a, const double* c, const Pack* g, const Pack* reference, const Pack* second, const Pack* offset)
         : centre(seeded(x, c[0]), seeded(y, c[1]), seeded(a, c[2]), spin(x[6], c[0], nullptr), spin(y[6], c[1], g), spin(a[6], c[2], g), reference, second,
                  offset),
-          arm(values(centre.c)), tangent(values(centre.t.t)), slope(centre.t.n.v), by_centre(derivatives(centre.c2)),
-          by_acceleration{Pack(V4{c[2], 0, 0, 0}), Pack(V4{0, c[2], 0, 0}), Pack(V4{0, 0, c[2], 0})} {}
+          arm(values(centre.c)), tangent(values(centre.t.t)), over(1.0 / centre.t.n.v) {}
 
-    static Vec<Dual<4>> seeded(const double* v, double weight) {
-        Vec<Dual<4>> u = {v[3], v[4], v[5]};
+    static Vec<D> seeded(const Pack* v, double weight) {
+        Vec<D> u = {v[3], v[4], v[5]};
         u.x.set(0, weight); u.y.set(1, weight); u.z.set(2, weight);
         return u;
     }
-    static Dual<4> spin(double value, double weight, const double* g) {
-        Dual<4> u(value);
-        u.g[0] = g ? V4{weight * g[0], weight * g[1], weight * g[2], weight} : V4{0, 0, 0, weight};
+    static D spin(const Pack& value, double weight, const Pack* g) {
+        D u(value);
+        for (int k = 0; g && k < 3; ++k) u.set(k, g[k] * weight);
+        u.set(3, weight);
         return u;
     }
-    // Rows of slope and spin angle by the derivatives of a force at the mass centre.
-    template <class R> void load(const Vec<R>& push, R* rows) const {
-        const Vec<R> moment = cross(arm, push), bend = cross(moment, tangent) * (1.0 / slope);
+    // Derivative i of the offset's acceleration.
+    PackVec by(int i) const { return {centre.c2.x.g[i], centre.c2.y.g[i], centre.c2.z.g[i]}; }
+    // Rows of slope and spin angle by a derivative of the force at the mass centre.
+    void load(const PackVec& push, Pack* rows) const {
+        const PackVec moment = cross(arm, push), bend = cross(moment, tangent) * over;
         rows[0] += bend.x; rows[1] += bend.y; rows[2] += bend.z;
         rows[3] += dot(moment, tangent);
     }
 };
 
-// Entries of elements without rigid offset.  The offsets' accelerations and the forces at the mass centre are linear in those of both nodes, so
-// that only the centres are differentiated.
-inline void run_eccentric_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
-                                   const double* x, const double* y, const double* a, double* K) {
+// Entries of elements without rigid offset, side by side.  The offsets' accelerations and the forces at the mass centre are linear in those of both
+// nodes, so that only the centres are differentiated.
+inline void eccentric_entries(const Pack* X, const Pack* Y, const Pack* A, const Pack* p, const double* c, const Pack* g1, const Pack* g2, Pack (*out)[14]) {
     typedef Eccentric<false> E;
-    for (int e = 0; e < n; ++e) {
-        const double *p = par + (long)e * E::NP, L = p[E::LENGTH], m = p[E::MASS], long_share = m * L / 20.0, square = m * L * L / 60.0, own = m * L / 6.0;
-        double X[14], Y[14], A[14], *out = K + 196L * e;
-        for (int i = 0; i < 14; ++i) { const int k = idx[14L * e + i]; X[i] = x[k]; Y[i] = y[k]; A[i] = a[k]; }
-        const EccentricNode one(X, Y, A, c, spin + 3 * nodes[2 * e], p + E::REFERENCE1, p + E::SECOND1, p + E::OFFSET);
-        const EccentricNode two(X + 7, Y + 7, A + 7, c, spin + 3 * nodes[2 * e + 1], p + E::REFERENCE2, p + E::SECOND2, p + E::OFFSET);
-        const EccentricNode* both[2] = {&one, &two};
-        for (int i = 0; i < 14; ++i)  // positions act through their accelerations only
-            for (int j = 0; j < 3; ++j) out[14 * i + j] = out[14 * i + 7 + j] = 0.0;
-        for (int row = 0; row < 2; ++row) {
-            const EccentricNode &node = *both[row], &other = *both[1 - row];
-            const double sign = row ? -1.0 : 1.0;  // of shapes that belong to slopes
-            // the force at the mass centre
-            const Vec<double> near = vec(A + 7 * row) * 7.0 + vec(A + 7 - 7 * row) * 3.0, bent = vec(A + 3 + 7 * row) * 3.0 - vec(A + 10 - 7 * row) * 2.0;
-            const Vec<double> push = near * long_share + bent * (sign * square) + (values(node.centre.c2) * 2.0 + values(other.centre.c2)) * own -
-                                     vec(p + E::GRAVITY) * (0.5 * L * m);
-            for (int column = 0; column < 2; ++column) {
-                const bool same = row == column;
-                const BySlopeAndSpin &by = both[column]->by_centre, &slope = both[column]->by_acceleration;
-                const BySlopeAndSpin force = by * (long_share * (same ? 7.0 : 3.0)), couple = by * (sign * square * (same ? 3.0 : 2.0));
-                Pack rows[7] = {force.x, force.y, force.z, couple.x, couple.y, couple.z, Pack(0.0)};
-                node.load(slope * (same ? sign * square * 3.0 : -sign * square * 2.0) + by * (own * (same ? 2.0 : 1.0)), rows + 3);
-                if (same) {  // its arm turns
-                    Dual<4> bend[3] = {0.0, 0.0, 0.0}, torque;
-                    const Vec<Dual<4>> fixed = {push.x, push.y, push.z};
-                    node.centre.load(fixed, bend, torque);
-                    for (int k = 0; k < 3; ++k) rows[3 + k] += Pack(bend[k].g[0]);
-                    rows[6] += Pack(torque.g[0]);
+    const Pack L = p[E::LENGTH], m = p[E::MASS], zero = Pack(0.0), share = m * L * (1.0 / 20.0), square = m * L * L * (1.0 / 60.0), own = m * L * (1.0 / 6.0);
+    const EccentricNode one(X, Y, A, c, g1, p + E::REFERENCE1, p + E::SECOND1, p + E::OFFSET);
+    const EccentricNode two(X + 7, Y + 7, A + 7, c, g2, p + E::REFERENCE2, p + E::SECOND2, p + E::OFFSET);
+    const EccentricNode* both[2] = {&one, &two};
+    for (int row = 0; row < 2; ++row) {
+        const EccentricNode &node = *both[row], &other = *both[1 - row];
+        const double sign = row ? -1.0 : 1.0;  // of shapes that belong to slopes
+        // the force at the mass centre, and what turns its arm
+        const PackVec near = vec(A + 7 * row) * 7.0 + vec(A + 7 - 7 * row) * 3.0, bent = vec(A + 3 + 7 * row) * 3.0 - vec(A + 10 - 7 * row) * 2.0;
+        const PackVec push = near * share + bent * (square * sign) + (values(node.centre.c2) * 2.0 + values(other.centre.c2)) * own -
+                             vec(p + E::GRAVITY) * (L * m * 0.5);
+        EccentricNode::D bend[3] = {0.0, 0.0, 0.0}, torque;
+        node.centre.load(Vec<EccentricNode::D>{push.x, push.y, push.z}, bend, torque);
+        for (int column = 0; column < 2; ++column) {
+            const bool same = row == column;
+            Pack(*to)[14] = out + 7 * row;
+            for (int i = 0; i < 4; ++i) {
+                const PackVec by = both[column]->by(i), force = by * (share * (same ? 7.0 : 3.0)), couple = by * (square * (sign * (same ? 3.0 : 2.0)));
+                Pack rows[7] = {force.x, force.y, force.z, couple.x, couple.y, couple.z, zero};
+                PackVec moved = by * (own * (same ? 2.0 : 1.0));
+                const Pack slope = square * (sign * (same ? 3.0 : -2.0) * c[2]);  // of the slope's acceleration
+                if (i == 0) moved.x += slope;
+                if (i == 1) moved.y += slope;
+                if (i == 2) moved.z += slope;
+                node.load(moved, rows + 3);
+                if (same) {
+                    for (int k = 0; k < 3; ++k) rows[3 + k] += bend[k].g[i];
+                    rows[6] += torque.g[i];
                 }
-                for (int i = 0; i < 7; ++i)
-                    for (int l = 0; l < 4; ++l) out[14 * (7 * row + i) + 7 * column + 3 + l] = rows[i].v[l];
-                const double share = c[2] * long_share * (same ? 7.0 : 3.0);
-                for (int j = 0; j < 3; ++j) {
-                    double turned[4] = {0.0, 0.0, 0.0, 0.0};
-                    node.load(Vec<double>{j == 0 ? share : 0.0, j == 1 ? share : 0.0, j == 2 ? share : 0.0}, turned);
-                    for (int i = 0; i < 4; ++i) out[14 * (7 * row + 3 + i) + 7 * column + j] = turned[i];
-                }
+                for (int k = 0; k < 7; ++k) to[k][7 * column + 3 + i] = rows[k];
+            }
+            const Pack s = share * ((same ? 7.0 : 3.0) * c[2]);
+            for (int j = 0; j < 3; ++j) {  // positions act through their accelerations only
+                Pack turned[4] = {zero, zero, zero, zero};
+                node.load(PackVec{j == 0 ? s : zero, j == 1 ? s : zero, j == 2 ? s : zero}, turned);
+                for (int k = 0; k < 3; ++k) to[k][7 * column + j] = zero;
+                for (int k = 0; k < 4; ++k) to[3 + k][7 * column + j] = turned[k];
             }
         }
+    }
+}
+
+inline void run_eccentric_jacobian(int n, const int* idx, const int* nodes, const double* par, void*, const double* c, const double* spin,
+                                   const double* x, const double* y, const double* a, double* K) {
+    for (int e = 0; e < n; e += 4) {
+        Pack X[14], Y[14], A[14], P[Eccentric<false>::NP], g1[3], g2[3], out[14][14];
+        const Lanes lanes(e, n);
+        lanes.gather(14, idx, x, X);
+        lanes.gather(14, idx, y, Y);
+        lanes.gather(14, idx, a, A);
+        lanes.rows(Eccentric<false>::NP, par, P);
+        gather_spin(lanes, nodes, spin, g1, g2);
+        eccentric_entries(X, Y, A, P, c, g1, g2, out);
+        lanes.store_rows(14 * 14, out[0], K);
     }
 }
 

@@ -31,14 +31,17 @@ template <class Kernel>
 void evaluate(int n, const int* idx, const double* par, void* context, const double* x, const double* y, ContactResults* out) {
     constexpr int D = Kernel::D;
     const ContactLaw& law = *static_cast<ContactLaw*>(context);
-    const OffWall off_wall(law, idx, par, x);
-    for (int e = 0, free = 0; e < n; ++e) {
-        if (std::is_same_v<Kernel, ContactPlain> && e % 4 == 0) free = n - e < 4 ? 0 : off_wall.four(e);
-        out[e] = {};
-        if (free >> e % 4 & 1) continue;
+    for (int e = 0; e < n; ++e) out[e] = {};
+    if (std::is_same_v<Kernel, ContactPlain> && !law.own) {
+        return for_near_wall(law, n, idx, par, x, y, [&](const Lanes& lanes, const Pack* X, const Pack* Y, const Pack* P) {
+            Pack R[14];
+            ContactPlain::evaluate(lanes, X, Y, P, law, R, out + lanes.first);
+        }, [](int, int) {});
+    }
+    for (int e = 0; e < n; ++e) {
         double X[D], Y[D], R[D];
         for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; }
-        Kernel::template evaluate<double>(e, X, Y, par + e * Kernel::NP, law, R, out + e);
+        Kernel::evaluate(e, X, Y, par + e * Kernel::NP, law, R, out + e);
     }
 }
 }  // namespace

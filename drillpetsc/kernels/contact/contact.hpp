@@ -2,6 +2,7 @@
 #pragma once
 #include "core/element.hpp"
 #include "core/frame.hpp"
+#include "core/pack_math.hpp"
 #include "contact/well.hpp"
 #include "bit/face_friction.hpp"
 
@@ -51,8 +52,7 @@ __attribute__((noinline)) T own_friction_at(const ContactLaw& law, const T& norm
 // Penetration with a smooth onset: 0, (d + e)^2 / 4e, d
 template <class T>
 inline T onset(const T& d) {
-    if (val(d) > RAMP) return d;
-    return (d + RAMP) * (d + RAMP) * (0.25 / RAMP);
+    return choose(val(d) > RAMP, [&] { return d; }, [&] { return (d + RAMP) * (d + RAMP) * (0.25 / RAMP); });
 }
 
 template <class T>
@@ -66,10 +66,12 @@ struct Touch {
     T normal;
 };
 
-struct PointResults {
-    double normal, stored, damping_power, friction_power, penetration;
-    Vec<double> push, along;
+template <class S>
+struct PointResultsOf {
+    S normal, stored, damping_power, friction_power, penetration;
+    Vec<S> push, along;
 };
+typedef PointResultsOf<double> PointResults;
 
 // Sums over the points of an element: normal force [N], stored energy [J], damping and friction power [W]; largest penetration [m];
 // force along the axis [N], torque about it [N m]; vector sums: forces without and with friction [N], of a rigid item the couple about its
@@ -85,75 +87,128 @@ inline void add_point(const PointResults& now, const Vec<double>& force, double 
     sum.push += now.push; sum.force += force; sum.along += now.along;
 }
 
-// Whether the section of radius R about the axis point x of a contact point k is in contact; foot: where on the hole's centreline, if so.
-// The clearance changes by at most 1 + r'/(1 - e.kappa) per distance, r' the slope of the hole's radius: near a place that was found off
-// the wall nothing needs to be projected.  1 - e.kappa is above 1/2 in any hole that is not bent to a knee.
-inline bool touches(const ContactLaw& law, const Well& well, const Vec<double>& x, double R, int k, Foot& foot) {
-    double* free = law.free + 5L * k;
+// The clearance of a section changes by at most 1 + r'/(1 - e.kappa) per distance, r' the slope of the hole's radius: near a place that was found
+// off the wall nothing needs to be projected.  1 - e.kappa is above 1/2 in any hole that is not bent to a knee.
+// free: the five numbers of the contact point in the law.
+inline bool is_known_off_wall(const double* free, const Vec<double>& x, double R) {
     const Vec<double> way = x - vec(free);
-    if (R == free[3] && dot(way, way) < free[4]) return false;
+    return R == free[3] && dot(way, way) < free[4];
+}
+
+// Whether the section of radius R about the axis point x is in contact; rho, radius, ds_dx: of the hole's closest point.
+inline bool is_at_wall(const Well& well, const Vec<double>& x, double R, double rho, double radius, double ds_dx, double* free) {
     free[4] = 0.0;
-    foot = locate(well, x, law.segment[k]);
-    const HolePoint<double> q = hole_point(well, foot, x);
-    const double bound = q.radius <= R ? R : q.radius;  // no clearance: a centring spring
-    if (!(q.rho + R - bound <= -RAMP)) return true;  // what is not a number touches, and is found in the rows
-    const double distance = 0.999 * (bound - R - q.rho - RAMP) / (1.0 + 2.0 * well.steepest);
+    const double bound = radius <= R ? R : radius;  // no clearance: a centring spring
+    if (!(rho + R - bound <= -RAMP)) return true;  // what is not a number touches, and is found in the rows
+    const double distance = 0.999 * (bound - R - rho - RAMP) / (1.0 + 2.0 * well.steepest);
     free[0] = x.x; free[1] = x.y; free[2] = x.z; free[3] = R;
-    if (distance > 0.0 && q.ds_dx < 2.0) free[4] = distance * distance;
+    if (distance > 0.0 && ds_dx < 2.0) free[4] = distance * distance;
     return false;
 }
 
-// Touching point x of the axis with velocity u, section turning with `turning`, radius R; weight: length it stands for, times its hardness.
+// Whether point q of element e, with the axis at `place`, is in contact; h: the hole's closest point, if so.
+template <class T>
+inline bool touches(const ContactLaw& law, const Well& well, int e, int q, const Vec<T>& place, double R, HolePoint<T>& h) {
+    const long k = (long)e * law.points + q;
+    const Vec<double> x = values(place);
+    law.touching[k] = 0;
+    law.normal[k] = 0.0;
+    if (is_known_off_wall(law.free + 5 * k, x, R)) return false;
+    const Foot foot = locate(well, x, law.segment[k]);
+    const HolePoint<double> at = hole_point(well, foot, x);
+    law.touching[k] = is_at_wall(well, x, R, at.rho, at.radius, at.ds_dx, law.free + 5 * k);
+    if (!law.touching[k]) return false;
+    if constexpr (std::is_same_v<T, double>) h = at;
+    else h = hole_point(well, foot, place);
+    return true;
+}
+
+// The same of elements side by side.
+template <class T>
+inline I4 touches(const ContactLaw& law, const Well& well, const Lanes& elements, int q, const Vec<T>& place, const Pack& R, HolePoint<T>& h) {
+    constexpr int N = sizeof(Foot) / sizeof(double);
+    static_assert(sizeof(FootOf<Pack>) == N * sizeof(Pack));
+    Foot feet[4];
+    const Vec<Pack> x = values(place);
+    bool near[4];
+    int one = -1;
+    for (int l = 0; l < 4; ++l) {
+        const long k = (long)elements.at[l] * law.points + q;
+        law.touching[k] = 0;
+        law.normal[k] = 0.0;
+        near[l] = l < elements.count && !is_known_off_wall(law.free + 5 * k, lane(x, l), R.v[l]);
+        if (near[l]) feet[one = l] = locate(well, lane(x, l), law.segment[k]);
+    }
+    I4 touching = {0, 0, 0, 0};
+    if (one < 0) return touching;
+    for (int l = 0; l < 4; ++l)
+        if (!near[l]) feet[l] = feet[one];  // numbers that nobody reads, but finite
+    FootOf<Pack> foot;
+    const double* numbers[4] = {&feet[0].u, &feet[1].u, &feet[2].u, &feet[3].u};
+    for (int i = 0; i < N; ++i) (&foot.u)[i] = Pack(V4{numbers[0][i], numbers[1][i], numbers[2][i], numbers[3][i]});
+    const HolePoint<Pack> at = hole_point(well, foot, x);
+    for (int l = 0; l < 4; ++l) {
+        if (!near[l]) continue;
+        const long k = (long)elements.at[l] * law.points + q;
+        law.touching[k] = is_at_wall(well, lane(x, l), R.v[l], at.rho.v[l], at.radius.v[l], at.ds_dx.v[l], law.free + 5 * k);
+        touching[l] = -(long long)law.touching[k];
+    }
+    if constexpr (std::is_same_v<T, Pack>) h = at;
+    else if (any(touching)) h = hole_point(well, foot, place);
+    return touching;
+}
+
+// Touching point of the axis with velocity u, section turning with `turning`, radius R; h: the hole's closest point; weight: length it stands for,
+// times its hardness.
 // guided: friction has a torque and a force along the hole, none round it.  So has that of a part without clearance, which friction and the
 // spring of the wall would otherwise drive to a whirl whose force the stiffness of the wall decides.
-template <bool OWN, class T>
-inline void touch_by(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                  double own_friction, double weight, Touch<T>& out, PointResults* results, bool guided) {
-    const HolePoint<T> h = hole_point(well, foot, x);
-    T depth = h.rho;
-    Vec<T> gradient = h.n;
-    const bool clearance = !(val(h.radius) <= R);  // so that a radius that is not a number is no centring spring
-    if (clearance) {
-        depth = h.rho + R - h.radius;
-        gradient = h.n - h.t * (h.radius_slope * h.ds_dx);
-    } else guided = true;
+template <bool OWN, class T, class S>
+inline void touch_by(const ContactLaw& law, const HolePoint<T>& h, const Vec<T>& u, const Vec<T>& turning, const S& R, const S& own_friction, const S& weight,
+                     Touch<T>& out, PointResultsOf<S>* results, bool is_guided) {
+    const auto clearance = no(val(h.radius) <= R);  // so that a radius that is not a number is no centring spring
+    const std::decay_t<decltype(clearance)> guided = no(clearance) | -(long long)is_guided;
+    const T depth = choose(clearance, [&] { return h.rho + R - h.radius; }, [&] { return h.rho; });
+    const Vec<T> gradient = choose(clearance, [&] { return h.n - h.t * (h.radius_slope * h.ds_dx); }, [&] { return h.n; });
     // a centring spring has no onset: at the axis the onset's force, stiffness x RAMP/4, would jump in direction
-    const T d = clearance ? onset(depth) : depth, elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? 1.0 : weight));
+    const T d = choose(clearance, [&] { return onset(depth); }, [&] { return depth; });
+    const T elastic = power_law(d, law.exponent) * (law.stiffness * (law.per_point ? S(1.0) : weight));
     T factor = T(1.0);
     const T rate = dot(u, gradient);
     if (law.damping != 0 && !law.imposed) {
         const T a = 1.0 + rate * law.damping;
         const T root = sqrt(a * a + CLIP * CLIP);
-        factor = val(a) > 0 ? 0.5 * (a + root) : (0.5 * CLIP * CLIP) / (root - a);  // (a + root)/2 without cancellation
+        // (a + root)/2 without cancellation
+        factor = choose(val(a) > S(0.0), [&] { return 0.5 * (a + root); }, [&] { return (0.5 * CLIP * CLIP) / (root - a); });
     }
-    const T N = elastic * factor, load = clearance ? N : N * offset_share(h.e, h.rho);
+    const T N = elastic * factor, load = choose(clearance, [&] { return N; }, [&] { return N * offset_share(h.e, h.rho); });
     const Vec<T> around = cross(h.t, h.n);
-    T mu0 = own_friction < 0 ? h.friction : T(own_friction);
+    T mu0 = choose(S(0.0) > own_friction, [&] { return h.friction; }, [&] { return T(own_friction); });
     Vec<T> drag, push = {T(0.0), T(0.0), T(0.0)};
     if (law.imposed) {
-        const double va = law.axial, vb = law.spin * R, speed = std::sqrt(va * va + vb * vb);
-        const double share = speed > 0 ? 1 / speed : 0.0;
+        const S va = S(law.axial), vb = law.spin * R, speed = sqrt(va * va + vb * vb);
+        const S share = choose(speed > S(0.0), [&] { return 1.0 / speed; }, [] { return S(0.0); });
         if constexpr (OWN) mu0 = own_friction_at<T>(law, load, T(STATICS_SLIP * va * share), T(STATICS_SLIP * vb * share), mu0, h.s);
         drag = (h.t * (va * share) + around * (vb * share)) * (-(mu0 * load));
-        push = (h.t * (va * share) + around * (guided ? 0.0 : vb * share * law.side)) * (-(mu0 * load));
-        if (results) results->friction_power = 0;
+        const S across = choose(guided, [] { return S(0.0); }, [&] { return vb * share * law.side; });
+        push = (h.t * (va * share) + around * across) * (-(mu0 * load));
+        if (results) results->friction_power = S(0.0);
     } else {
         const Vec<T> rim = cross(turning, h.n) * R, surface = u + rim;
-        const T va = dot(surface, h.t) + law.axial, vb = dot(guided ? rim : surface, around), v2 = va * va + vb * vb;
+        const T va = dot(surface, h.t) + law.axial, vb = dot(choose(guided, [&] { return rim; }, [&] { return surface; }), around), v2 = va * va + vb * vb;
         const T speed = sqrt(v2 + law.slip * law.slip);
         T mu = mu0;
         if constexpr (OWN) mu = own_friction_at<T>(law, load, va, vb, mu0, h.s);
         else if (law.extra != 0) mu = mu0 * (1.0 + law.extra * exp(-v2 / (law.decay * law.decay)));
         const T grip = -(mu * load) / speed;
-        push = drag = (h.t * va + around * vb) * grip;
-        if (guided) push = h.t * (va * grip);
+        drag = (h.t * va + around * vb) * grip;
+        push = choose(guided, [&] { return h.t * (va * grip); }, [&] { return drag; });
         if (results) results->friction_power = val(mu * load * v2 / speed);
     }
     out.force = push - gradient * N;
     out.couple = cross(h.n, drag) * R;
     out.normal = N;
     if (results) {
-        const double dv = val(d), e = val(elastic);
+        const S dv = val(d), e = val(elastic);
         results->normal = val(load);
         results->stored = e * dv / (law.exponent + 1);
         results->damping_power = (val(N) - e) * val(rate);
@@ -165,41 +220,65 @@ inline void touch_by(const ContactLaw& law, const Well& well, const Foot& foot, 
 
 // With a law of the user the code stands apart, so that the other is as fast, and rounds as it does, without one.
 template <class T>
-__attribute__((noinline)) void touch_by_own_law(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                                                double own_friction, double weight, Touch<T>& out, PointResults* results, bool guided) {
-    touch_by<true>(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
+__attribute__((noinline)) void touch_by_own_law(const ContactLaw& law, const HolePoint<T>& h, const Vec<T>& u, const Vec<T>& turning, double R, double own_friction,
+                                                double weight, Touch<T>& out, PointResults* results, bool guided) {
+    touch_by<true>(law, h, u, turning, R, own_friction, weight, out, results, guided);
 }
 
-template <class T>
-inline void touch(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& x, const Vec<T>& u, const Vec<T>& turning, double R,
-                  double own_friction, double weight, Touch<T>& out, PointResults* results = nullptr, bool guided = false) {
-    if (law.own) return touch_by_own_law(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
-    touch_by<false>(law, well, foot, x, u, turning, R, own_friction, weight, out, results, guided);
+template <class T, class S>
+inline void touch(const ContactLaw& law, const HolePoint<T>& h, const Vec<T>& u, const Vec<T>& turning, const S& R, const S& own_friction, const S& weight,
+                  Touch<T>& out, PointResultsOf<S>* results, bool guided) {
+    if constexpr (!std::is_same_v<S, Pack>)  // which such a law is not asked for
+        if (law.own) return touch_by_own_law(law, h, u, turning, R, own_friction, weight, out, results, guided);
+    touch_by<false>(law, h, u, turning, R, own_friction, weight, out, results, guided);
 }
 
 // Load of a contact point of the axis on the centre line: force, and couple as bending (on r') and torque.
 template <class T>
 struct PointLoad { Vec<T> force, bend; T torque, normal; Vec<T> tangent; };
 
-template <class T>
-inline PointLoad<T> point_load(const ContactLaw& law, const Well& well, const Foot& foot, const Vec<T>& place, const Vec<T>& speed, const Vec<T>& slope,
-                               const Vec<T>& slope_rate, const T& spin, double R, double own_friction, double weight, PointResults* results) {
+template <class T, class S>
+inline PointLoad<T> point_load(const ContactLaw& law, const HolePoint<T>& h, const Vec<T>& speed, const Vec<T>& slope, const Vec<T>& slope_rate, const T& spin,
+                               const S& R, const S& own_friction, const S& weight, PointResultsOf<S>* results) {
     const T n = norm(slope);
     const Vec<T> t = slope / n, t1 = (slope_rate - t * dot(t, slope_rate)) / n;
     Touch<T> c;
-    touch(law, well, foot, place, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, results);
+    touch(law, h, speed, cross(t, t1) + t * spin, R, own_friction, weight, c, results, false);
     return {c.force, cross(c.couple, t) / n, dot(c.couple, t), c.normal, t};
 }
 
+// Notes the normal forces of point q, and leaves no load elsewhere than where elements touch.
+template <class T> inline void finish(const ContactLaw& law, int e, int q, bool, PointLoad<T>& c) { law.normal[(long)e * law.points + q] = val(c.normal); }
+template <class T> inline void finish(const ContactLaw& law, const Lanes& elements, int q, const I4& touching, PointLoad<T>& c) {
+    const Vec<T> none = {0.0, 0.0, 0.0};
+    c.force = blend(touching, c.force, none); c.bend = blend(touching, c.bend, none); c.torque = blend(touching, c.torque, T(0.0));
+    const Pack normal = val(c.normal);
+    for (int l = 0; l < elements.count; ++l)
+        if (touching[l]) law.normal[(long)elements.at[l] * law.points + q] = normal.v[l];
+}
+
+// Adds a contact point to the sums of its element, or of the touching ones of those side by side.
+inline void add_points(bool, const PointResults& now, const Vec<double>& force, double axial, double torque, ContactResults* sums) {
+    add_point(now, force, axial, torque, *sums);
+}
+inline void add_points(const I4& touching, const PointResultsOf<Pack>& now, const Vec<Pack>& force, const Pack& axial, const Pack& torque, ContactResults* sums) {
+    for (int l = 0; l < 4; ++l)
+        if (touching[l])
+            add_point({now.normal.v[l], now.stored.v[l], now.damping_power.v[l], now.friction_power.v[l], now.penetration.v[l], lane(now.push, l), lane(now.along, l)},
+                      lane(force, l), axial.v[l], torque.v[l], sums[l]);
+}
+
 // Cubic interpolation at the place s (0..1) of an element: shares of r1, v1, r2, v2 in r and in r'.
+template <class S>
 struct Interpolation {
-    double r[4], slope[4];
-    Interpolation(double s, double L) {
-        const double h = 1 - 3 * s * s + 2 * s * s * s, b = 6 * s * (1 - s) / L;
+    S r[4], slope[4];
+    Interpolation(double s, const S& L) {
+        const double h = 1 - 3 * s * s + 2 * s * s * s;
+        const S b = 6 * s * (1 - s) / L;
         r[0] = h; r[1] = L * (s - 2 * s * s + s * s * s); r[2] = 1 - h; r[3] = L * (s * s * s - s * s);
         slope[0] = -b; slope[1] = 1 - 4 * s + 3 * s * s; slope[2] = b; slope[3] = 3 * s * s - 2 * s;
     }
-    template <class T> static Vec<T> sum(const double* c, const Vec<T>& r1, const Vec<T>& v1, const Vec<T>& r2, const Vec<T>& v2) {
+    template <class T> static Vec<T> sum(const S* c, const Vec<T>& r1, const Vec<T>& v1, const Vec<T>& r2, const Vec<T>& v2) {
         return r1 * c[0] + v1 * c[1] + r2 * c[2] + v2 * c[3];
     }
 };
@@ -223,10 +302,11 @@ struct BeamContact {
         evaluate<T>(e, x, y, p, *static_cast<ContactLaw*>(context), r, nullptr);
     }
 
-    template <class T>
-    static void evaluate(int e, const T* x, const T* y, const double* p, const ContactLaw& law, T* r, ContactResults* results) {
+    // e: an element, or those side by side; results: of the first
+    template <class T, class E, class S>
+    static void evaluate(const E& e, const T* x, const T* y, const S* p, const ContactLaw& law, T* r, ContactResults* results) {
         for (int i = 0; i < D; ++i) r[i] = T(0.0);
-        const double L = p[LENGTH];
+        const S L = p[LENGTH];
         Vec<T> r1 = vec(x), v1 = vec(x + 3), u1 = vec(y), w1 = vec(y + 3);
         const Vec<T> r2 = vec(x + 7), v2 = vec(x + 10), u2 = vec(y + 7), w2 = vec(y + 10);
         const Vec<T> v0 = v1;
@@ -243,26 +323,23 @@ struct BeamContact {
         T theta1 = T(0.0), theta2 = T(0.0);
         const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
-            const double s = law.at[2 * q], w = law.at[2 * q + 1] * L * p[HARDNESS];
-            const Interpolation at(s, L);
-            const Vec<T> place = at.sum(at.r, r1, v1, r2, v2);
-            const int k = e * law.points + q;
-            Foot foot;
-            law.touching[k] = touches(law, well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], k, foot);
-            law.normal[k] = 0;
-            if (!law.touching[k]) continue;
-            PointResults now;
-            const PointLoad<T> c = point_load(law, well, foot, place, at.sum(at.r, u1, w1, u2, w2), at.sum(at.slope, r1, v1, r2, v2),
-                                              at.sum(at.slope, u1, w1, u2, w2), y[6] * (1 - s) + y[13] * s, p[RADIUS], p[FRICTION], w,
-                                              results ? &now : nullptr);
-            law.normal[k] = val(c.normal);
+            const double s = law.at[2 * q];
+            const S w = law.at[2 * q + 1] * L * p[HARDNESS];
+            const Interpolation<S> at(s, L);
+            HolePoint<T> h;
+            const auto touching = touches(law, well, e, q, at.sum(at.r, r1, v1, r2, v2), p[RADIUS], h);
+            if (!any(touching)) continue;
+            PointResultsOf<S> now;
+            PointLoad<T> c = point_load(law, h, at.sum(at.r, u1, w1, u2, w2), at.sum(at.slope, r1, v1, r2, v2), at.sum(at.slope, u1, w1, u2, w2),
+                                        y[6] * (1 - s) + y[13] * s, p[RADIUS], p[FRICTION], w, results ? &now : nullptr);
+            finish(law, e, q, touching, c);
             F1 -= c.force * at.r[0] + c.bend * at.slope[0];
             G1 -= c.force * at.r[1] + c.bend * at.slope[1];
             F2 -= c.force * at.r[2] + c.bend * at.slope[2];
             G2 -= c.force * at.r[3] + c.bend * at.slope[3];
             theta1 -= c.torque * (1 - s);
             theta2 -= c.torque * s;
-            if (results) add_point(now, values(c.force), val(dot(c.force, c.tangent)), val(c.torque), *results);
+            if (results) add_points(touching, now, values(c.force), val(dot(c.force, c.tangent)), val(c.torque), results);
         }
         if constexpr (JUNCTION) {
             const Vec<T> t = v0 / n0;
@@ -302,16 +379,12 @@ struct BodyContact {
         const Well well(law.well);
         for (int q = 0; q < law.points; ++q) {
             const double distance = p[ABOVE] + law.at[2 * q] * p[LENGTH], w = law.at[2 * q + 1] * p[SPAN] * p[HARDNESS];
-            const int k = e * law.points + q;
-            const Vec<T> place = vec(x) + t.t * distance;
-            Foot foot;
-            law.touching[k] = touches(law, well, {val(place.x), val(place.y), val(place.z)}, p[RADIUS], k, foot);
-            law.normal[k] = 0;
-            if (!law.touching[k]) continue;
+            HolePoint<T> h;
+            if (!touches(law, well, e, q, vec(x) + t.t * distance, p[RADIUS], h)) continue;
             Touch<T> c;
             PointResults now;
-            touch(law, well, foot, place, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, results ? &now : nullptr, p[GUIDED] != 0);
-            law.normal[k] = val(c.normal);
+            touch(law, h, vec(y) + t.t1 * distance, turning, p[RADIUS], p[FRICTION], w, c, results ? &now : nullptr, p[GUIDED] != 0);
+            law.normal[(long)e * law.points + q] = val(c.normal);
             const Vec<T> push = c.force * distance + cross(c.couple, t.t);
             const Vec<T> row = (push - t.t * dot(t.t, push)) / t.n;
             r[0] -= c.force.x; r[1] -= c.force.y; r[2] -= c.force.z;

@@ -12,7 +12,7 @@ public:
     OffWall(const ContactLaw& l, const int* indices, const double* parameters, const double* unknowns)
         : law(l), idx(indices), par(parameters), x(unknowns), known(l.points <= POINTS) {
         for (int q = 0; known && q < law.points; ++q) {
-            const Interpolation at(law.at[2 * q], 1.0);
+            const Interpolation<double> at(law.at[2 * q], 1.0);
             for (int i = 0; i < 4; ++i) share[q][i] = at.r[i];
         }
     }
@@ -67,23 +67,36 @@ private:
     bool known;
 };
 
-// run_residual for contact along beam elements.
-inline void run_contact_residual(int n, const int* idx, const double* par, void* context, const double* x, const double* y, const double* a, double* r) {
-    typedef BeamContact<false> P;
-    const ContactLaw& law = *static_cast<ContactLaw*>(context);
+// Four elements at a time: near(lanes, x, y, parameters) where one of them may touch, else off(first, count).
+template <class Near, class Off>
+inline void for_near_wall(const ContactLaw& law, int n, const int* idx, const double* par, const double* x, const double* y, const Near& near, const Off& off) {
+    constexpr int NP = BeamContact<false>::NP;
     const OffWall off_wall(law, idx, par, x);
     for (int e = 0; e < n; e += 4) {
-        const int left = n - e < 4 ? n - e : 4, free = left == 4 ? off_wall.four(e) : 0;
-        for (int l = 0; l < left; ++l) {
-            if (free >> l & 1) continue;
-            const int* at = idx + 14L * (e + l);
-            double X[14], Y[14], R[14];
-            for (int i = 0; i < 14; ++i) { X[i] = x[at[i]]; Y[i] = y[at[i]]; }
-            P::evaluate<double>(e + l, X, Y, par + (long)P::NP * (e + l), law, R, nullptr);
-            for (int i = 0; i < 14; ++i) r[at[i]] += R[i];
+        if (e + 4 <= n && off_wall.four(e) == 15) {
+            off(e, 4);
+            continue;
         }
+        Pack X[14], Y[14], P[NP];
+        const Lanes lanes(e, n);
+        lanes.gather(14, idx, x, X);
+        lanes.gather(14, idx, y, Y);
+        lanes.rows(NP, par, P);
+        near(lanes, X, Y, P);
     }
-    (void)a;  // forces of contact do not depend on accelerations
+}
+
+// run_residual for contact along beam elements.
+inline void run_contact_residual(int n, const int* idx, const double* par, void* context, const double* x, const double* y, const double* a, double* r) {
+    typedef BeamContact<false> Contact;
+    const ContactLaw& law = *static_cast<ContactLaw*>(context);
+    if (law.own) return run_residual<Contact>(n, idx, par, context, x, y, a, r);  // which is asked for elements one by one
+    for_near_wall(law, n, idx, par, x, y, [&](const Lanes& lanes, const Pack* X, const Pack* Y, const Pack* P) {
+        Pack R[14];
+        Contact::evaluate(lanes, X, Y, P, law, R, nullptr);
+        for (int l = 0; l < lanes.count; ++l)
+            for (int i = 0; i < 14; ++i) r[idx[14L * lanes.at[l] + i]] += R[i].v[l];
+    }, [](int, int) {});
 }
 
 }  // namespace dp

@@ -51,7 +51,8 @@ template <class T> struct HolePoint {
 };
 
 // Radius, friction and their slopes along s.
-struct Bore { double radius, radius_slope, friction, friction_slope, radius_bend; };
+template <class S> struct BoreOf { S radius, radius_slope, friction, friction_slope, radius_bend; };
+typedef BoreOf<double> Bore;
 inline Bore bore_at(const Well& w, double s) {
     int lo = 0, hi = w.steps;  // number of transitions that start at or above s
     while (lo < hi) {
@@ -66,6 +67,16 @@ inline Bore bore_at(const Well& w, double s) {
     const double h = u * u * (3.0 - 2.0 * u), dh = 6.0 * u * (1.0 - u) / p[P::WIDTH];
     return {p[P::RADIUS] + p[P::RADIUS_CHANGE] * h, p[P::RADIUS_CHANGE] * dh, p[P::FRICTION] + p[P::FRICTION_CHANGE] * h,
             p[P::FRICTION_CHANGE] * dh, p[P::RADIUS_CHANGE] * 6.0 * (1.0 - 2.0 * u) / (p[P::WIDTH] * p[P::WIDTH])};
+}
+
+inline BoreOf<Pack> bore_at(const Well& w, const Pack& s) {
+    BoreOf<Pack> all;
+    for (int l = 0; l < 4; ++l) {
+        const Bore b = bore_at(w, s.v[l]);
+        all.radius.v[l] = b.radius; all.radius_slope.v[l] = b.radius_slope; all.friction.v[l] = b.friction;
+        all.friction_slope.v[l] = b.friction_slope; all.radius_bend.v[l] = b.radius_bend;
+    }
+    return all;
 }
 
 // How far x lies below the plane across the centreline at node i.
@@ -103,11 +114,13 @@ inline int walk_to_segment(const Well& w, const Vec<double>& x, int i) {
 }
 
 // A segment's cubic at u: centre, first and second derivative by u; g = (x - c).c' and slope = -dg/du.
-struct Foot {
-    double u, s, ds, dds;
-    Vec<double> c, d1, d2, d3;
-    double g, slope, speed2;
+template <class S>
+struct FootOf {
+    S u, s, ds, dds;
+    Vec<S> c, d1, d2, d3;
+    S g, slope, speed2;
 };
+typedef FootOf<double> Foot;
 inline Foot foot_at(const double* p, const Vec<double>& x, double u) {
     Foot f;
     const Vec<double> a1 = p[WellNode::HANDLE] * vec(p + WellNode::TANGENT), a2 = vec(p + WellNode::SECOND), a3 = vec(p + WellNode::THIRD);
@@ -184,11 +197,11 @@ inline Foot locate(const Well& w, const Vec<double>& x, int& segment) {
 // Closest point of the centreline to x, whose foot is known.  One Newton step in T from the foot's root carries the derivatives:
 // du = g(x)/slope  gives exactly  du/dx = c'^T/(c'.c' - e.c''), that is ds/dx = t^T/(1 - e.kappa), and the rest follows from
 // first-order expansions about the root.
-template <class T> inline HolePoint<T> hole_point(const Well& w, const Foot& f, const Vec<T>& x) {
-    const double floor = 0.05 * f.speed2, slope = f.slope > floor ? f.slope : floor;
+template <class T, class S> inline HolePoint<T> hole_point(const Well& w, const FootOf<S>& f, const Vec<T>& x) {
+    const S floor = 0.05 * f.speed2, slope = choose(f.slope > floor, [&] { return f.slope; }, [&] { return floor; });
     const T du = dot(x - f.c, f.d1) * (1.0 / slope);
-    const double speed = std::sqrt(f.speed2);
-    const Vec<double> t = (1.0 / speed) * f.d1, turn = (1.0 / speed) * (f.d2 - dot(f.d2, t) * t);
+    const S speed = sqrt(f.speed2);
+    const Vec<S> t = (1.0 / speed) * f.d1, turn = (1.0 / speed) * (f.d2 - dot(f.d2, t) * t);
     HolePoint<T> h;
     h.s = f.s + f.ds * du;
     h.c = f.c + du * f.d1;
@@ -196,15 +209,15 @@ template <class T> inline HolePoint<T> hole_point(const Well& w, const Foot& f, 
     h.e = x - h.c;
     h.rho = sqrt(dot(h.e, h.e) + WELL_RHO0 * WELL_RHO0);
     h.n = (1.0 / h.rho) * h.e;
-    const double s = val(h.s);
-    const Bore b = bore_at(w, s);
+    const S s = val(h.s);
+    const BoreOf<S> b = bore_at(w, s);
     const T ds = h.s - s;
     h.radius = b.radius + b.radius_slope * ds;
     h.friction = b.friction + b.friction_slope * ds;
     h.radius_slope = b.radius_slope + b.radius_bend * ds;
     const Vec<T> d1 = f.d1 + du * f.d2, d2 = f.d2 + du * f.d3;
     const T speed2 = dot(d1, d1), fall = speed2 - dot(h.e, d2);
-    h.ds_dx = (f.ds + f.dds * du) * sqrt(speed2) / (val(fall) > floor ? fall : T(floor));
+    h.ds_dx = (f.ds + f.dds * du) * sqrt(speed2) / choose(val(fall) > floor, [&] { return fall; }, [&] { return T(floor); });
     return h;
 }
 

@@ -28,6 +28,8 @@ inline Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
 inline Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
 inline Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
 inline Pack operator-(const Pack& a) { return Pack(-a.v); }
+inline I4 operator>(const Pack& a, const Pack& b) { return a.v > b.v; }
+inline I4 operator<=(const Pack& a, const Pack& b) { return a.v <= b.v; }
 inline Pack sqrt(const Pack& a) { return Pack(V4{std::sqrt(a.v[0]), std::sqrt(a.v[1]), std::sqrt(a.v[2]), std::sqrt(a.v[3])}); }
 
 // Sine and cosine without branches: the multiple of pi/2 next to the angle is taken away in three parts, and the polynomials of the Cephes
@@ -144,6 +146,7 @@ DP_D atan2(const Dual<N>& y, const Dual<N>& x) {
 #undef DP_D
 
 inline double val(double a) { return a; }
+inline Pack val(const Pack& a) { return a; }
 template <int N> inline double val(const Dual<N>& a) { return a.v; }
 
 #define DP_CMP(op)                                                                               \
@@ -172,6 +175,23 @@ template <class T, class U> __attribute__((always_inline)) inline auto cross(con
 }
 template <class T> inline T norm(const Vec<T>& a) { return sqrt(dot(a, a)); }
 template <class T> inline Vec<T> vec(const T* p) { return {p[0], p[1], p[2]}; }
-template <class T> inline Vec<double> values(const Vec<T>& a) { return {val(a.x), val(a.y), val(a.z)}; }
+template <class T> inline auto values(const Vec<T>& a) -> Vec<decltype(val(a.x))> { return {val(a.x), val(a.y), val(a.z)}; }
+inline Vec<double> lane(const Vec<Pack>& a, int l) { return {a.x.v[l], a.y.v[l], a.z.v[l]}; }
+
+// ---------------------------------------------------------------- one of two numbers, in each lane of a pack
+inline bool no(bool which) { return !which; }
+inline I4 no(const I4& which) { return ~which; }
+inline bool any(bool which) { return which; }
+inline bool any(const I4& which) { return which[0] | which[1] | which[2] | which[3]; }
+inline Pack blend(const I4& which, const Pack& a, const Pack& b) { return Pack(which ? a.v : b.v); }
+template <class T> inline Vec<T> blend(const I4& which, const Vec<T>& a, const Vec<T>& b) {
+    return {blend(which, a.x, b.x), blend(which, a.y, b.y), blend(which, a.z, b.z)};
+}
+// a() where `which` holds, else b(); neither is evaluated where no number needs it
+template <class A, class B> inline auto choose(bool which, const A& a, const B& b) -> decltype(a()) { return which ? a() : b(); }
+template <class A, class B> inline auto choose(const I4& which, const A& a, const B& b) -> decltype(a()) {
+    if (!any(no(which))) return a();
+    return any(which) ? blend(which, a(), b()) : b();
+}
 
 }  // namespace dp

@@ -18,7 +18,7 @@ inline void run_contact_by_rates(int n, const int* idx, const double* par, void*
             const int k = e * law.points + q;
             if (!law.touching[k]) continue;
             const double s = law.at[2 * q], weight = law.at[2 * q + 1] * p[P::LENGTH] * p[P::HARDNESS];
-            const Interpolation share(s, p[P::LENGTH]);
+            const Interpolation<double> share(s, p[P::LENGTH]);
             Vec<double> place = {0, 0, 0}, speed = place, slope = place, slope_rate = place;
             for (int b = 0; b < 4; ++b) {
                 const int* v = at + CONTACT_AT[b];
@@ -57,7 +57,7 @@ inline void run_contact_by_rates(int n, const int* idx, const double* par, void*
                     still.x.set(d, to.x); still.y.set(d, to.y); still.z.set(d, to.z);
                     along.x.set(d, turn.x); along.y.set(d, turn.y); along.z.set(d, turn.z);
                 }
-                const PointLoad<PointDual> load = point_load(law, well, foot, still, u, along, w, spin, p[P::RADIUS], p[P::FRICTION], weight, nullptr);
+                const PointLoad<PointDual> load = point_load<PointDual, double>(law, hole_point(well, foot, still), u, along, w, spin, p[P::RADIUS], p[P::FRICTION], weight, nullptr);
                 for (int d = 0; d < some; ++d) {
                     double* rows = r + (first + d) * length;
                     const Vec<double> force = {load.force.x.d(d), load.force.y.d(d), load.force.z.d(d)}, bend = {load.bend.x.d(d), load.bend.y.d(d), load.bend.z.d(d)};
