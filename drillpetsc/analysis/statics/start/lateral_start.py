@@ -42,6 +42,7 @@ LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle th
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+REFINEMENT = 4.0  # ratio of the lengths of rough elements from one round to the next
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
@@ -85,13 +86,14 @@ def lateral_start(
         push = -float(coiled.axial_force[-1]) if stands(model) else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
     loads, last = _side_loads(model, found), None
-    for _ in range(MAX_ROUNDS):
+    for number in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
             return None
         frame = _directors(model, found)
-        # on short elements contacts that open and close hold up a buckle that moves along the hole: wells of 12 km need half as long
-        parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
+        # on short elements the boundary of a contact moves by an element in a step, and contacts that open and close hold up a
+        # buckle that moves along the hole: wells of 12 km need half as long
+        parts = _Parts(model, found, buckling, _rough_length(model, found) / REFINEMENT**number)
         beam = _beam(model, found, parts, frame)
         beam.limit = limit
         state = _solved(model, found, beam, parts, frame, loads, last)
