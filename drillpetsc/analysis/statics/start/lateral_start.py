@@ -64,20 +64,20 @@ class LateralStart:
 
 def lateral_start(
     model: DrillingModel,
-    found: March,
+    found: March | None,
     motion: tuple[float, float],
-    coiled: March | None = None,
-    limit: SearchLimit | None = None,
+    coiled: March | None,
+    limit: SearchLimit,
 ) -> LateralStart | None:
     """Find the start of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coiled: the march of a string that may coil, whose friction is the first estimate if the string slides.
-    limit: of the work of the search, None without one.
+    limit: of the work of the search.
     Returns None if nothing pushes the string, or no stable state is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
-    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
+    if found is None or model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
         return None
     # the elements of the lateral problem are rigid or hinged in both directions alike
     if any(_ties_slope(joint) is None for joint in mesh.joints):
@@ -86,20 +86,22 @@ def lateral_start(
         push = -float(coiled.axial_force[-1]) if stands(model) else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
     loads, last = _side_loads(model, found), None
-    for number in range(MAX_ROUNDS):
+    least = _rough_length(model, found)
+    for _ in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
             return None
         frame = _directors(model, found)
         # on short elements the boundary of a contact moves by an element in a step, and contacts that open and close hold up a
         # buckle that moves along the hole: wells of 12 km need half as long
-        parts = _Parts(model, found, buckling, _rough_length(model, found) / REFINEMENT**number)
+        parts = _Parts(model, found, buckling, least)
         beam = _beam(model, found, parts, frame)
         beam.limit = limit
         state = _solved(model, found, beam, parts, frame, loads, last)
         if state is None:
             return None
         last = state.disturbed, *parts.spread(state.place)
+        least = least / REFINEMENT if REFINEMENT * len(parts.nodes) < mesh.nodes else 0.0
         before, found = found, with_contact(model, found, motion, parts.contact(beam, state.place, found))
         change = np.abs(found.axial_force - before.axial_force).max()
         if not parts.rough and change <= SETTLED_PUSH * -found.axial_force.min():
