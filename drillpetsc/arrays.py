@@ -16,3 +16,8 @@ def components(vectors: ArrayLike) -> FloatArray:
     to stand, and the last digit with it.
     """
     return np.ascontiguousarray(np.moveaxis(np.asarray(vectors, dtype=float), -1, 0))
+
+
+def halves_at_nodes(values: FloatArray) -> FloatArray:
+    """Share the values (n,) of a row of elements evenly between their ends: sums (n+1,) at the nodes, in the same unit."""
+    return 0.5 * (np.append(values, 0.0) + np.append(0.0, values))

@@ -16,6 +16,7 @@ from drillpetsc.output.measured.in_hole import below_flow_line, equivalent_densi
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import TopEnd
 from drillpetsc.output.summaries.statics import SoftString
+from drillpetsc.parallel import total
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.physics.interfaces import Drive
 
@@ -114,5 +115,4 @@ def _lower_end(model: DrillingModel) -> FloatArray:
 
 
 def _sum_over_ranks(model: DrillingModel, values: FloatArray) -> FloatArray:
-    comm = model.system.comm
-    return values if comm.size == 1 else comm.tompi4py().allreduce(values)
+    return np.asarray(total(model.system.comm, values))

@@ -9,11 +9,12 @@ import numpy as np
 
 from drillpetsc.analysis.statics.checks.folded_elements import refuse_fallen, refuse_folded
 from drillpetsc.analysis.statics.flow_coupling import couple_flow_and_string, settle_contents, surge_rates
-from drillpetsc.analysis.statics.friction_newton import START_INCREMENT, reach
+from drillpetsc.analysis.statics.friction_newton import LATERAL_FAILED, START_INCREMENT, reach
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
 from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
@@ -27,16 +28,18 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.watches.free_end import FreeEnd, end_is_free
 from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole
+from drillpetsc.parallel import total
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
-from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton, sum_of
+from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import System, display, display_unit, shown
 
 SLANTED = 1e-3  # horizontal part of the string's direction from which on a string without contact may fall out of its hole
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
-#: shares in which side loads are taken away from a string in mud: at once, else in steps, because under the flow of the loaded string the
-#: string without its loads may be straight
+#: shares in which side loads are taken away: at once, else in steps, because under the flow of the loaded string the string without its
+#: loads may be straight
 SIDE_LOADS_LEFT = (0.0,), (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 0.0)
 
 
@@ -45,7 +48,6 @@ def director_equilibrium(
     motion: tuple[float, float] | None = None,
     lateral_friction: bool = True,
     path: PathKind | None = None,
-    may_follow_path: bool = True,
 ) -> StaticState:
     """Find the static equilibrium with friction against ``motion``; collective.
 
@@ -56,7 +58,7 @@ def director_equilibrium(
     lateral_friction: friction across the pipe pushes a turning pipe up the wall; without it only its torque
     acts, as in torque-and-drag models.
     path: the question that is answered by following the string's history; None: Newton's method answers, and a
-    path of steady sliding where it finds no state of a string that coils, if ``may_follow_path``.
+    path of steady sliding where it finds no state of a string that coils and has no downhole motor.
 
     Raises SolveError if no equilibrium is found, CaseError if the weight on bit cannot be met.
     """
@@ -68,7 +70,7 @@ def director_equilibrium(
         return StaticState(
             (0.0, 0.0), Equilibrium(iterations=flow.iterations, increment=flow.increment, converged=True)
         )
-    problem = _posed(model, motion, lowering, lateral_friction, path, may_follow_path)
+    problem = _posed(model, motion, lowering, lateral_friction, path)
     solver, found = problem.solver, problem.found
     state, report = problem.state, problem.state.equilibrium
     problem.set_friction_aside()
@@ -116,7 +118,6 @@ def _posed(
     lowering: float,
     lateral_friction: bool,
     path: PathKind | None,
-    may_follow_path: bool,
 ) -> StaticProblem:
     """Pose the problem of ``director_equilibrium``: the string at its march, or along the hole for a path; collective.
 
@@ -155,7 +156,6 @@ def _posed(
         found,
         straight,
         start,
-        may_follow_path,
     )
 
 
@@ -190,21 +190,23 @@ def _newton_with_flow(problem: StaticProblem) -> float:
 
 def _without_side_loads(problem: StaticProblem, reached: float) -> None:
     """Take away the side loads that found the state of string and flow, if it is stable without them; they stay otherwise."""
-    asm, restore = problem.model.system.assembly, problem.save()
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    asm, restore = model.system.assembly, problem.save()
     load = asm.dead_load
-    if load is None or problem.model.fluid is None or not problem.leaves_loads:
+    if load is None or not problem.leaves_loads:
         return
     for shares in SIDE_LOADS_LEFT:
-        problem.state.equilibrium.imperfection = 0.0
+        report.imperfection = 0.0
         try:
             for share in shares:
                 asm.dead_load = share * load if share else None
                 problem.impose(reached)
-                couple_flow_and_string(
-                    problem.model, problem.solver, problem.state.equilibrium, problem.lowering
-                )
+                if model.fluid is None:
+                    come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
+                else:
+                    couple_flow_and_string(model, solver, report, problem.lowering)
             problem.set_friction_aside()
-            stable = not problem.solver.negative_pivots()
+            stable = not solver.negative_pivots()
         except SolveError:
             stable = False
         if stable:
@@ -228,8 +230,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
             error.hint = f"{hint}; {error.hint}" if ended else hint
             if not ended:
                 error.what = f"no static state was found of a string that coils in its hole ({error.what})"
-        may_follow = problem.paths and any(state.motion) and has_path(model, state.motion)
-        if found is None or ended or not may_follow:
+        if ended or model.parts(MudMotor) or not any(state.motion) or not has_path(model, state.motion):
             raise
         problem.origin.restore()
         answer_by_path(problem, "sliding")
@@ -238,7 +239,7 @@ def _answer_by_newton(problem: StaticProblem) -> float:
 
 def _beyond_bottom(model: DrillingModel) -> float:
     """Distance [m] of a free end below the end of the hole; not above zero if it hangs free, or stands; collective."""
-    return sum_of(model.system, FreeEnd(model).below_bottom())
+    return float(total(model.system.comm, FreeEnd(model).below_bottom()))
 
 
 def _free_end_hint(model: DrillingModel, found: March | None) -> str:

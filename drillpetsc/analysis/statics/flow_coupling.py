@@ -14,7 +14,8 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton, sum_of
+from drillpetsc.parallel import total
+from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 MAX_COUPLING_ROUNDS = 30  # solves of flow and string in turn
 COUPLING_TOLERANCE = 1e-10  # largest change of pressures and flows relative to their scales
@@ -122,5 +123,5 @@ def _share_of_change(system: DiscreteSystem, last: FloatArray, change: FloatArra
     """Share [-] of the ``change`` (k,) of the fluid's unknowns after one, ``last``, of which ``share`` was taken; collective."""
     owned = (system.owned_index >= 0)[fluid_unknowns(system)]
     turn = (change - last)[owned]
-    along, square = (sum_of(system, float(turn @ v[owned])) for v in (last, change - last))
+    along, square = (total(system.comm, float(turn @ v[owned])) for v in (last, change - last))
     return float(np.clip(-share * along / square, LEAST_SHARE, 1.0)) if square > 0 else share

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import item_imperfection, nodal_weight
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
-from drillpetsc.analysis.statics.relaxation import helix_load, newton_or_drag, relax, relax_with_drag
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, helix_load, relax
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
@@ -15,7 +15,7 @@ from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.coarse_mesh import too_coarse
 
-START_INCREMENT = 0.1  # of a state from which a further solve with more friction, or with the flow, starts
+START_INCREMENT = 0.1  # of a state from which a solve with the flow starts
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
 LATERAL_STEPS = 15  # of Newton's method from a lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
@@ -38,14 +38,13 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
     stable equilibrium is found.
     """
     model, solver, report, state = problem.model, problem.solver, problem.state.equilibrium, problem.state
-    start = None
-    if problem.straight is not None:
-        start = lateral_start(model, problem.straight, state.motion, problem.found, solver.limit)
+    start = lateral_start(model, problem.straight, state.motion, problem.found, solver.limit)
     if start is None:
         return None
     restore = problem.save()
     problem.origin.restore()
     place_marched(model, start.march)
+    buckled = start.side_loads is not None
     if start.side_loads is not None:
         solver.add_imperfection(start.side_loads, SPACING)
         report.imperfection = model.case.initial.imperfection
@@ -58,16 +57,16 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
                 solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
                 solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
             else:
-                relax_with_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
+                come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
             problem.set_friction_aside()
             if not solver.negative_pivots():
                 # the side force may leave a buckled string without a state; one that lies on the wall climbs it
-                return _with_side_force(problem, first, full, climbs=start.side_loads is None)
+                return _with_side_force(problem, first, full, climbs=not buckled)
         except SolveError:
             problem.set_friction_aside()
         placed.restore()  # what a failed solve leaves is no start for the next
         # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
-        if near and start.side_loads is not None and slides_on(problem):
+        if near and buckled and slides_on(problem):
             return first
     restore()
     return None
@@ -77,18 +76,20 @@ def _by_relaxation(problem: StaticProblem) -> float:
     """Relax the string from the march; returns the lateral friction fraction reached.
 
     A state that is unstable is a saddle, on which no force is lateral: the string then relaxes again under small random side
-    loads, which are taken away again if the state is stable without them.  On a coarse mesh the instability is that of the
-    elements.  Raises SolveError if no equilibrium is found.
+    loads, which are taken away at the end.  On a coarse mesh the instability is that of the elements.  Raises SolveError if no
+    equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     fraction, found, saddle = model.case.initial.imperfection, problem.found, None
+    load = helix = 0.0
     if found is not None:
         problem.origin.restore()
         place_marched(model, found)
+        load, helix = found.usual_contact_force, helix_load(model, found)
     start, failure = Snapshot(model), SolveError("no static state was found")
+    first, full = _fractions(problem, bool(problem.state.motion[1]))
     strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
-        load = found.usual_contact_force if found is not None else 0.0
         try:
             if strength:
                 start.restore()
@@ -96,18 +97,19 @@ def _by_relaxation(problem: StaticProblem) -> float:
                 solver.add_imperfection(size, SPACING)
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
-                helix = helix_load(model, found) if found is not None else 0.0
                 relax(model, solver, report, solver.start_increment, helix, downhill=True)
                 load = 0.0  # it has found its wall
-            reached = _relaxed(problem, load)
+            problem.impose(first)
+            try:
+                relax(model, solver, report, solver.start_increment, load)
+            finally:
+                problem.set_friction_aside()
+            reached = _with_side_force(problem, first, full)
         except SolveError as error:
             failure = error
             continue
         if not solver.negative_pivots() or len(strengths) == 1:
             problem.leaves_loads = bool(strength)
-            # with mud the flow is found first: it may move the string far
-            if strength and model.fluid is None:
-                _take_side_loads_away(problem, reached)
             return reached
         # an unstable state is better than none: the first, without side loads, is symmetric and can be repeated
         saddle = saddle or (problem.save(), reached)
@@ -115,47 +117,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
     if saddle is None:
         raise failure
     saddle[0]()  # it says so
-    if solver.limit is not None:
-        solver.limit.begin_again()
     return saddle[1]
-
-
-def _take_side_loads_away(problem: StaticProblem, reached: float) -> None:
-    """Find the state without the side loads beside the present one; they stay if there is none, or it is unstable."""
-    restore = problem.save()
-    problem.model.system.assembly.dead_load, problem.state.equilibrium.imperfection = None, 0.0
-    problem.impose(reached)
-    try:
-        relax_with_drag(
-            problem.model,
-            problem.solver,
-            problem.state.equilibrium,
-            problem.solver.start_increment,
-            LATERAL_FAILED,
-        )
-        stable = True
-    except SolveError:
-        stable = False
-    problem.set_friction_aside()
-    if not stable or problem.solver.negative_pivots():
-        restore()
-
-
-def _relaxed(problem: StaticProblem, load: float) -> float:
-    """Relax the string with friction, of one that turns first without its side force; returns the fraction of that force reached.
-
-    load: as for ``relax``.
-    """
-    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    first, full = _fractions(problem, bool(problem.state.motion[1]))
-    problem.impose(first)
-    # what a further solve starts from, with more friction or with the flow, need not be exact
-    increment = solver.start_increment if first == full else START_INCREMENT
-    try:
-        relax(model, solver, report, increment, load)
-    finally:
-        problem.set_friction_aside()
-    return _with_side_force(problem, first, full)
 
 
 def _fractions(problem: StaticProblem, turns: bool) -> tuple[float, float]:
@@ -169,21 +131,19 @@ def _with_side_force(problem: StaticProblem, first: float, full: float, climbs: 
     climbs: relax if Newton's method fails.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
+    solver.limit.used = 0.0  # there is a state: the limit of the search is none of its side force and flow
     if full == first:
         return full if problem.moves else problem.fraction
-    last = Snapshot(model)
+    restore = problem.save()
+    problem.impose(full)
     try:
-        for fraction in (full, first):
-            problem.impose(fraction)
-            try:
-                if fraction == full and climbs:
-                    newton_or_drag(model, solver, report, solver.start_increment, LATERAL_FAILED)
-                else:
-                    solver.newton(report, solver.start_increment)
-                return fraction
-            except SolveError as error:
-                failure = error
-                last.restore()
-        raise failure
+        if climbs:
+            come_to_rest(model, solver, report, solver.start_increment, most_failed=LATERAL_FAILED)
+        else:
+            solver.newton(report, solver.start_increment)
+        return full
+    except SolveError:
+        restore()
+        return first
     finally:
         problem.set_friction_aside()

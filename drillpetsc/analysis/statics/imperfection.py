@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
 
@@ -40,10 +40,7 @@ def imperfections(model: DrillingModel) -> FloatArray:
 def nodal_weight(model: DrillingModel) -> FloatArray:
     """Compute the weight (n_nodes,) of each node [N]: half of both neighbouring elements and the rigid items."""
     mesh, g = model.mesh, float(np.linalg.norm(model.case.gravity))
-    weight = np.zeros(mesh.nodes)
-    half = 0.5 * model.effective_mass * mesh.length * g
-    np.add.at(weight, np.arange(mesh.nodes - 1), half)
-    np.add.at(weight, np.arange(1, mesh.nodes), half)
+    weight = halves_at_nodes(model.effective_mass * mesh.length * g)
     for b in mesh.bodies:
         weight[b.node] += b.mass * g
     return weight

@@ -14,6 +14,7 @@ from drillpetsc.doubts.tools import Driven
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.tools.mud_motor import motor_item
+from drillpetsc.parallel import total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 
 MOST_ROUNDS = 8  # equilibria, each with the speed of the one before
@@ -38,7 +39,7 @@ def motor_equilibrium(
     start = model.top.anchor.copy()
     for _ in range(MOST_ROUNDS):
         model.top.anchor[:] = start  # statics moves the top from there
-        state = director_equilibrium(model, motion, lateral_friction, None, may_follow_path=False)
+        state = director_equilibrium(model, motion, lateral_friction)
         torque, flow = _torque_and_flow(model, motor)
         if motion == (0.0, 0.0):
             return state
@@ -66,7 +67,5 @@ def motor_flow(model: DrillingModel) -> float:
 
 def _torque_and_flow(model: DrillingModel, motor: MudMotor) -> tuple[float, float]:
     """Torque [N m] and flow rate [m3/s] of the motor, the same on all ranks."""
-    values = motor.torque_and_flow(0.0, model.system.assembly)
-    comm = model.system.comm
-    total = values if comm.size == 1 else comm.tompi4py().allreduce(values)
-    return float(total[0]), float(total[1])
+    torque, flow = total(model.system.comm, motor.torque_and_flow(0.0, model.system.assembly))
+    return float(torque), float(flow)

@@ -9,6 +9,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE, JOINT, Start
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import top_of_string
+from drillpetsc.parallel import total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.unit_systems import System, shown
@@ -151,9 +152,8 @@ def release(model: DrillingModel, at_rest: bool = False) -> None:
 def start_of(model: DrillingModel, at_rest: bool = False) -> Start:
     """What machines need to know of the static state to begin their motion; collective."""
     system = model.system
-    total = system.comm.tompi4py().allreduce
     hook_load = -system.reaction("top.axial_reaction") if model.parts(Hoist) else 0.0
-    return Start(hook_load, lambda values: np.asarray(total(values)), at_rest)
+    return Start(hook_load, lambda values: np.asarray(total(system.comm, values)), at_rest)
 
 
 def find_reactions(model: DrillingModel) -> None:
@@ -172,9 +172,12 @@ def find_reactions(model: DrillingModel) -> None:
 
 def align_top(model: DrillingModel) -> None:
     """Prescribe at time 0 the present place, direction and angle of the top node; collective."""
-    system, names = model.system, ("string.position", "string.tangent", "string.spin")
-    here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
-    local = np.hstack([system.field(name)[here].sum(axis=0) for name in names])
-    place = local if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(local))
-    model.top.align(place[:3], place[3:6], place[6:])
-    system.assembly.invalidate_prescribed_values()
+    model.top.align(*(at_top(model, f"string.{name}") for name in ("position", "tangent", "spin")))
+    model.system.assembly.invalidate_prescribed_values()
+
+
+def at_top(model: DrillingModel, field: str) -> FloatArray:
+    """Values (k,) of a nodal field at the top node, the same on all ranks; collective."""
+    system = model.system
+    here = system.chain.owned & (system.chain.vertices == 0)
+    return np.asarray(total(system.comm, system.field(field)[here].sum(axis=0)))

@@ -50,7 +50,7 @@ def relax(
     tolerance: largest increment of the last solve.
     load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
     clearance; 0: the wall keeps its stiffness.
-    downhill: as for ``relax_with_drag``.
+    downhill: as for ``come_to_rest``.
     Raises SolveError if no equilibrium is found.
     """
     contact = model.contact
@@ -58,69 +58,56 @@ def relax(
         try:
             for factor in _softening(model, contact, load):
                 contact.set_stiffness(factor)
-                newton_or_drag(model, solver, report, SOFT_INCREMENT, downhill=downhill)
+                come_to_rest(model, solver, report, SOFT_INCREMENT, downhill=downhill)
         finally:
             contact.set_stiffness(1.0)
-    newton_or_drag(model, solver, report, tolerance, downhill=downhill)
+    come_to_rest(model, solver, report, tolerance, downhill=downhill)
 
 
-def newton_or_drag(
+def come_to_rest(
     model: DrillingModel,
     solver: StaticNewton,
     report: Equilibrium,
     tolerance: float,
+    drag: float = 0.0,
     most_failed: int = MOST_FAILED,
     downhill: bool = False,
 ) -> None:
-    """Newton's method, the one infinite step; if it fails, steps with drag that grow to it, as in ``relax_with_drag``; collective."""
-    start = Snapshot(model)
-    try:
-        solver.newton(report, tolerance)
-        if not downhill or not solver.negative_pivots():
-            return
-    except SolveError:
-        pass
-    start.restore()
-    relax_with_drag(model, solver, report, tolerance, most_failed, downhill)
-
-
-def relax_with_drag(
-    model: DrillingModel,
-    solver: StaticNewton,
-    report: Equilibrium,
-    tolerance: float,
-    most_failed: int = MOST_FAILED,
-    downhill: bool = False,
-) -> None:
-    """Let the string move to its state by steps with drag that grow; collective.
+    """Let the string move to its state by steps with drag that grow until they are infinitely long; collective.
 
     report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
+    drag: of the first step [N/m2]; 0: the first one is infinitely long, that is Newton's method, and ``FIRST_DRAG`` follows if it fails.
     downhill: the loads have an energy.  A step begins with so much drag that its energy is convex there, so that it passes over no
     hill; the last one ends in a stable state.
     Raises SolveError if no equilibrium is found.
     """
-    drag, most, failed, failure = FIRST_DRAG, np.inf, 0, SolveError("the string did not come to rest")
+    most, failed, failure = np.inf, 0, SolveError("the string did not come to rest")
+    over_a_hill = SolveError("the step passes over a hill of the energy")
+    shorter = 0.0 if drag else FIRST_DRAG  # drag after an infinite step that fails before any other
     for _ in range(MOST_STEPS):
         start, before = Snapshot(model), report.iterations
         try:
-            drag = _convex(solver, drag) if downhill else drag
+            if not drag:
+                solver.newton(report, tolerance)
+                if not (downhill and shorter) or not solver.negative_pivots():
+                    return
+                raise over_a_hill
+            drag, shorter = (_convex(solver, drag) if downhill else drag), 0.0
             with solver.drag(Drag(drag)):
                 solver.newton(report, STEP_INCREMENT, STEP_ITERATIONS)
                 if downhill and drag <= LAST_DRAG and solver.negative_pivots():
-                    raise SolveError("the step passes over a hill of the energy")
-            if drag > LAST_DRAG:
-                count = report.iterations - before
-                growth = next(factor for limit, factor in GROWTH if count <= limit)
-                drag, most = max(drag / min(growth, most), LAST_DRAG), LIFT * most
-                continue
-            start = Snapshot(model)
-            solver.newton(report, tolerance)
-            return
+                    raise over_a_hill
+            count = report.iterations - before
+            growth = next(factor for limit, factor in GROWTH if count <= limit)
+            drag, most = max(drag / min(growth, most), LAST_DRAG) if drag > LAST_DRAG else 0.0, LIFT * most
         except SolveError as error:
             failure = error
             start.restore()
+            if shorter:
+                drag, shorter = shorter, 0.0
+                continue
             # a failed step costs several good ones, so that the next ones grow slowly
-            drag, most, failed = drag * (SHORTER if drag > LAST_DRAG else BACK), AFTER_FAILURE, failed + 1
+            drag, most, failed = SHORTER * drag if drag else BACK * LAST_DRAG, AFTER_FAILURE, failed + 1
             if failed > most_failed or drag > MOST_DRAG:
                 break
     raise failure

@@ -55,7 +55,6 @@ class StaticProblem:
     lowering: speed at which the top lowers the string [m/s].
     found, straight: the march of a string that may coil, and of one that stays straight; None without contact.
     origin: the string along the hole.
-    paths: a path may be followed if Newton's method finds no state.
     leaves_loads: the state found may be stable without its side loads, once string and flow are in equilibrium.
     """
 
@@ -68,7 +67,6 @@ class StaticProblem:
     found: March | None
     straight: March | None
     origin: Snapshot
-    paths: bool = True
     leaves_loads: bool = False
 
     @property

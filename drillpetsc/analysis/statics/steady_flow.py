@@ -14,6 +14,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
+from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain.chain_lu import ZeroPivot
 from drillpetsc.solvers.time.newton import shared_factor
 
@@ -126,8 +127,8 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVE
                 ) from error
             factor.solve_owned(-f.getArray(readonly=1), step)
             owned = system.layout.local_of_owned
-            size = _largest(
-                system,
+            size = largest(
+                system.comm,
                 float(np.max(np.abs(step[is_fluid[owned]]) * weight[owned][is_fluid[owned]], initial=0.0)),
             )
             if not np.isfinite(size):
@@ -207,7 +208,7 @@ def _fill_chamber(system: DiscreteSystem) -> None:
     missing = next((np.array(volume) for volume in volumes if volume is not None), None)
     if missing is None or "annulus.volume" not in system.layout.dofs:
         return
-    missing = missing if system.comm.size == 1 else system.comm.tompi4py().allreduce(missing)
+    missing = total(system.comm, missing)
     asm, dofs = system.assembly, system.layout.dofs["annulus.volume"][:, 0]
     asm.x[dofs] += missing[0]
     asm.y[dofs] = missing[1]
@@ -219,9 +220,3 @@ def _move(system: DiscreteSystem, step: np.ndarray) -> None:
     system.store_unknowns(q)
     q.getArray()[:] += step
     system.load_unknowns(q)
-
-
-def _largest(system: DiscreteSystem, value: float) -> float:
-    from mpi4py import MPI
-
-    return value if system.comm.size == 1 else float(system.comm.tompi4py().allreduce(value, op=MPI.MAX))

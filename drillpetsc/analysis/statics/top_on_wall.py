@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from drillpetsc.analysis.statics.relaxation import newton_or_drag
+from drillpetsc.analysis.statics.placement import at_top
+from drillpetsc.analysis.statics.relaxation import come_to_rest
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
@@ -26,7 +24,7 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
     start, asm = Snapshot(model), model.system.assembly
     asm.release(ACROSS)
     try:
-        newton_or_drag(model, solver, report, CONVERGED_INCREMENT, MOST_FAILED)
+        come_to_rest(model, solver, report, CONVERGED_INCREMENT, most_failed=MOST_FAILED)
     except SolveError:
         start.restore()
         return False
@@ -38,13 +36,5 @@ def balance_across(model: DrillingModel, solver: StaticNewton, report: Equilibri
 
 def hold_where_it_lies(model: DrillingModel) -> None:
     """Prescribe the present place of the top across the hole; collective."""
-    model.top.place_across(_top_position(model))
+    model.top.place_across(at_top(model, "string.position"))
     model.system.assembly.invalidate_prescribed_values()
-
-
-def _top_position(model: DrillingModel) -> FloatArray:
-    """Position (3,) of the top node [m], the same on all ranks."""
-    system = model.system
-    here = np.flatnonzero(system.chain.owned & (system.chain.vertices == 0))
-    local = system.field("string.position")[here].sum(axis=0)
-    return local if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(local))

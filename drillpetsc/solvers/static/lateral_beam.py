@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.solvers.static.search_limit import SearchLimit
 
 WIDTH = 7  # diagonals above and below the main one: two nodes of four unknowns
@@ -42,6 +42,9 @@ LEAST_SHIFT = 1e-4  # of a side spring that is tried after none, over the first
 STANDSTILL = 1e-6  # motion of a step, as a share of the clearance, that leaves a saddle where it is
 SETTLED_MOVE = 0.03  # motion of a quick step from a convex state after which the shift is left out
 QUICK = 8  # Newton steps of a solve that converges fast
+#: over EI/L^3 and T/30L; rows and columns: deflection and slope times L at both ends
+_BENDING = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+_TENSION = np.array([[36, 3, -36, 3], [3, 4, -3, -1], [-36, -3, 36, -3], [3, -1, -3, 4]])
 
 
 @dataclass
@@ -106,9 +109,7 @@ class LateralBeam:
         self.nodes = len(length) + 1
         self._elastic = self._with_ties(elements)
         self._band = self._assembled(self._elastic)
-        h = np.zeros(self.nodes)
-        h[:-1] += 0.5 * length
-        h[1:] += 0.5 * length
+        h = halves_at_nodes(length)
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
         push = np.maximum(-elements.force, 0.0)
         #: above the most negative curvature of the energy of a long beam, F^2/4EI [N/m2]
@@ -120,7 +121,7 @@ class LateralBeam:
         self.turning = clearance > LEAST_CLEARANCE
         self.factor = 1.0  # of the wall's stiffness
         self.iterations = 0
-        self.limit: SearchLimit | None = None  # of the work of a search, None without one
+        self.limit = SearchLimit()  # of the work of a search
         loads = np.hypot(load[:, 0], load[:, 1]) / np.maximum(h, 1e-9)
         helix = float(np.max(self.clearance[:-1] * pull, initial=0.0))
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
@@ -314,8 +315,7 @@ class LateralBeam:
         g, band = self._shifted_rows(start, U, shift)
         for _ in range(MAX_INNER):
             self.iterations += 1
-            if self.limit is not None:
-                self.limit.count(SHARE_OF_SEARCH)
+            self.limit.count(SHARE_OF_SEARCH)
             if plain:
                 try:
                     p = scipy.linalg.solve_banded((WIDTH, WIDTH), band, -g.ravel(), check_finite=False)
@@ -380,33 +380,10 @@ def element_matrices(
     length: FloatArray, bending: FloatArray, force: FloatArray, rigid: FloatArray
 ) -> FloatArray:
     """Element matrices (n, 4, 4) of one plane by (u, u') at the upper node and (u, u') at the lower one."""
-    L = length
-    one = np.ones_like(L)
-    bend = (
-        np.stack(
-            [
-                np.stack([12 * one, 6 * L, -12 * one, 6 * L], 1),
-                np.stack([6 * L, 4 * L**2, -6 * L, 2 * L**2], 1),
-                np.stack([-12 * one, -6 * L, 12 * one, -6 * L], 1),
-                np.stack([6 * L, 2 * L**2, -6 * L, 4 * L**2], 1),
-            ],
-            1,
-        )
-        * (bending / L**3)[:, None, None]
-    )
-    tens = (
-        np.stack(
-            [
-                np.stack([36 * one, 3 * L, -36 * one, 3 * L], 1),
-                np.stack([3 * L, 4 * L**2, -3 * L, -(L**2)], 1),
-                np.stack([-36 * one, -3 * L, 36 * one, -3 * L], 1),
-                np.stack([3 * L, -(L**2), -3 * L, 4 * L**2], 1),
-            ],
-            1,
-        )
-        * (force / (30 * L))[:, None, None]
-    )
-    K = bend + tens
+    one = np.ones_like(length)
+    scale = np.stack([one, length, one, length], axis=1)
+    K = (bending / length**3)[:, None, None] * _BENDING + (force / (30 * length))[:, None, None] * _TENSION
+    K *= scale[:, :, None] * scale[:, None, :]
     move = np.broadcast_to(np.eye(4), K.shape).copy()
     move[:, 0, 1] = rigid
     K = np.einsum("eba,ebc,ecd->ead", move, K, move)

@@ -5,6 +5,8 @@ Manual: sec-statics-limit-of-search.
 
 from __future__ import annotations
 
+import numpy as np
+
 from drillpetsc.errors import SolveError
 
 #: factorisations times nodes of the string: some twenty seconds on one core; ordinary wells take a hundredth of it, the hardest tests a half
@@ -19,14 +21,11 @@ class SearchEnded(SolveError):
 class SearchLimit:
     """Counts the factorisations of a search over all its methods.
 
-    nodes: of the string.
+    nodes: of the string; None: without a limit.
     """
 
-    def __init__(self, nodes: int) -> None:
-        self.most, self.used = max(1, MOST_WORK // (nodes + FIXED_NODES)), 0.0
-
-    def begin_again(self) -> None:
-        """Forget what was counted: the search is over, and its state is only closed with the flow."""
+    def __init__(self, nodes: int | None = None) -> None:
+        self.most = np.inf if nodes is None else max(1, MOST_WORK // (nodes + FIXED_NODES))
         self.used = 0.0
 
     def count(self, share: float = 1.0) -> None:

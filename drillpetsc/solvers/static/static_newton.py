@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.errors import SolveError
 from drillpetsc.fem.bound_parts import ROW_SCALE, RowReplacement
 from drillpetsc.fem.component import DRIVE, ROCK
@@ -101,7 +101,7 @@ class StaticNewton:
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
-    limit: of the work of a search, None without one.
+    limit: of the work of a search.
     """
 
     def __init__(
@@ -127,7 +127,7 @@ class StaticNewton:
         self.rates: FloatArray | None = None
         self.rate_weight = 0.0
         self.start_increment = CONVERGED_INCREMENT
-        self.limit: SearchLimit | None = None
+        self.limit = SearchLimit()
         self._owned = system.owned_index >= 0
         ends = [f.condition.vertex for f in system.assembly.row_replacements]
         #: of each nodal field: local nodes (k,) that move with drag, and the places (k, d, d) of their entries
@@ -154,11 +154,11 @@ class StaticNewton:
     # ------------------------------------------------------------------ pieces
     def sum(self, value: float) -> float:
         """Sum ``value`` over all ranks; collective."""
-        return sum_of(self.system, value)
+        return float(total(self.system.comm, value))
 
     def largest(self, value: float) -> float:
         """Largest ``value`` of all ranks; collective."""
-        return largest_of(self.system, value)
+        return largest(self.system.comm, value)
 
     def rows(self) -> FloatArray:
         """Compute the residual (n,) at rest, in the steady motion ``rates``, or of the present step, summed over ranks; collective.
@@ -199,7 +199,8 @@ class StaticNewton:
 
     def _springs(self, drag: Drag) -> list[tuple[np.ndarray, FloatArray, np.ndarray]]:
         """Springs of a drag by nodal field: unknowns (k, d), matrices (k, d, d), their places (k, d, d) in the values."""
-        system, v, h = self.system, self.system.field("string.tangent"), nodal_length(self.system)
+        system, v = self.system, self.system.field("string.tangent")
+        h = halves_at_nodes(system.mesh.length)[system.chain.vertices]
         along = v[:, :, None] * v[:, None, :] / np.sum(v * v, axis=1)[:, None, None]
         across = np.eye(3) - along
         matrices = (
@@ -297,8 +298,7 @@ class StaticNewton:
 
     def _factor(self) -> None:
         """Factor the stiffness; raises SolveError if it is singular."""
-        if self.limit is not None:
-            self.limit.count()
+        self.limit.count()
         try:
             self.factor.factor(self.system.assembly.values)
         except ZeroPivot:
@@ -327,8 +327,7 @@ class StaticNewton:
 
     def _inertia(self, values: FloatArray) -> int:
         """Negative pivots of a matrix, or of its symmetric part, beyond those of multipliers; -1 if one is missing."""
-        if self.limit is not None:
-            self.limit.count()
+        self.limit.count()
         try:
             # each multiplier is a negative eigenvalue in every state (saddle point)
             count = self.factor.negative_pivots(values if self.symmetric else self._symmetric_part(values))
@@ -532,25 +531,6 @@ class StaticNewton:
     def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
         """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
         self.system.assembly.dead_load = lateral_loads(self.system, size, spacing=spacing)
-
-
-def sum_of(system: DiscreteSystem, value: float) -> float:
-    """Sum ``value`` over all ranks; collective."""
-    return float(total(system.comm, value))
-
-
-def largest_of(system: DiscreteSystem, value: float) -> float:
-    """Largest ``value`` of all ranks; collective."""
-    return largest(system.comm, value)
-
-
-def nodal_length(system: DiscreteSystem) -> FloatArray:
-    """Compute the length [m] (nv,) that belongs to each local node: half of both neighbouring elements."""
-    mesh = system.mesh
-    size = np.zeros(mesh.nodes)
-    np.add.at(size, np.arange(mesh.nodes - 1), 0.5 * mesh.length)
-    np.add.at(size, np.arange(1, mesh.nodes), 0.5 * mesh.length)
-    return size[system.chain.vertices]
 
 
 def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tuple[np.ndarray, np.ndarray]]:

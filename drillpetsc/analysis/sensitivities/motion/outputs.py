@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.errors import CaseError
 
@@ -40,11 +40,7 @@ class RunOutput:
         if self.statistic == "max":
             top = int(v.argmax())
             return float(v[top]), s[top]
-        gaps = np.diff(t)
-        weight = np.zeros(len(t))
-        weight[:-1] += 0.5 * gaps
-        weight[1:] += 0.5 * gaps
-        weight /= t[-1] - t[0]
+        weight = halves_at_nodes(np.diff(t)) / (t[-1] - t[0])
         if self.statistic == "mean":
             return float(weight @ v), weight @ s
         size = float(np.sqrt(weight @ v**2))

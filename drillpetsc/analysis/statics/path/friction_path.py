@@ -16,7 +16,7 @@ from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, PathA
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.march import March, march
+from drillpetsc.analysis.statics.start.march import March, axial_compliance, march
 from drillpetsc.analysis.statics.start.march_shape import CROSSING
 from drillpetsc.analysis.statics.start.soft_string_start import place_marched
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
@@ -29,7 +29,7 @@ from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
 from drillpetsc.solvers.static.search_limit import SearchEnded
-from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton, sum_of
+from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import shown
 
 SEED = 1e-3  # random side loads, as a share of the weight
@@ -109,9 +109,7 @@ class FrictionPath:
         self._wob = model.case.initial.wob if solver.depth is not None else None
         self.report, self._share = Equilibrium(), 0.0  # of the load that acts
         if kind == "slack_off" and model.case.top.force is not None:
-            mesh, force = model.mesh, abs(model.case.top.force.value(0.0))
-            pipe = ~mesh.is_joint
-            speed = force * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe])) / self.settings.ramp
+            speed = abs(model.case.top.force.value(0.0)) * axial_compliance(model.mesh) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
         self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
         self._push = self._end_load()
@@ -362,10 +360,7 @@ class FrictionPath:
 
     def _lower(self, target: float) -> None:
         """Lower the top until the bit carries ``target`` [N]; raises SolveError if it does not."""
-        mesh = self.model.mesh
-        pipe = ~mesh.is_joint
-        straight = target * float(np.sum(mesh.length[pipe] / mesh.axial_stiffness[pipe]))
-        way = LIFT + MOST_LOWERING * straight + 1.0
+        way = LIFT + MOST_LOWERING * target * axial_compliance(self.model.mesh) + 1.0
         log = self._advance(way / LOWERING, lambda t: 1.0, 0.02 / LOWERING, speed=LOWERING, target=target)
         wob = self._end_forces()[1]
         if abs(wob - target) > 10 * WEIGHT_TOLERANCE * target:
@@ -489,14 +484,14 @@ class FrictionPath:
         """Torque at the top [N m]."""
         system, drive = self.model.system, self.model.part(Drive)
         own = drive.torque(0.0, system.assembly) if drive is not None else 0.0
-        return float(system.reaction("top.torque_reaction")) + sum_of(system, float(own))
+        return float(system.reaction("top.torque_reaction")) + self.solver.sum(float(own))
 
     def _end_forces(self) -> tuple[float, float]:
         """Hook load and weight on bit [N]."""
         model, force = self.model, self.model.case.top.force
         hook = force.value(0.0) if force is not None else -model.system.reaction("top.axial_reaction")
         wob = model.bit.weight_and_torque(model.system.assembly)[0] if model.bit is not None else 0.0
-        return float(hook), sum_of(model.system, wob)
+        return float(hook), self.solver.sum(wob)
 
     def _change(self, log: list[tuple[float, float, float]]) -> float:
         """Change of the means of what the string transmits from the third to the last quarter of ``log``: of the force

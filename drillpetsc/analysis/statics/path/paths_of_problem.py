@@ -18,6 +18,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.physics.tools.reamer import Reamer
 
 LEAST_CLEARANCE = 1e-3  # [m]
@@ -43,8 +44,8 @@ def slides_on(problem: StaticProblem) -> bool:
     assert problem.straight is not None
     largest_push = -float(problem.straight.axial_force.min())
     if (
-        not (problem.paths and any(state.motion))
-        or problem.motor_speed
+        not any(state.motion)
+        or bool(model.parts(MudMotor))
         or largest_push <= 0
         or model.parts(Reamer)  # the shares of bit and reamer are not those of a path
         or not _wall_rubs(model)

@@ -42,6 +42,7 @@ LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle th
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
 ROUGH_SHARE = 0.25  # length of rough elements over the pitch of a helix
+REFINEMENT = 4.0  # ratio of the lengths of rough elements from one round to the next
 BIT_DEPTH = 1e-4  # of a bit in the side of its hole, where the law of Hertz has the force of its spring [m]
 NO_LENGTH = 1e-9  # of an element that is a joint [m]
 MAX_ROUNDS = 10  # of lateral equilibrium and tension
@@ -63,20 +64,20 @@ class LateralStart:
 
 def lateral_start(
     model: DrillingModel,
-    found: March,
+    found: March | None,
     motion: tuple[float, float],
-    coiled: March | None = None,
-    limit: SearchLimit | None = None,
+    coiled: March | None,
+    limit: SearchLimit,
 ) -> LateralStart | None:
     """Find the start of a pushed string under the tension of the march ``found``, which does not coil.
 
     motion: axial velocity [m/s, down positive] and rotation [rad/s] that friction opposes.
     coiled: the march of a string that may coil, whose friction is the first estimate if the string slides.
-    limit: of the work of the search, None without one.
+    limit: of the work of the search.
     Returns None if nothing pushes the string, or no stable state is found.  The same on all ranks.
     """
     mesh, fraction = model.mesh, model.case.initial.imperfection
-    if model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
+    if found is None or model.contact is None or model.contact.law.law == "hertz_point" or not fraction:
         return None
     # the elements of the lateral problem are rigid or hinged in both directions alike
     if any(_ties_slope(joint) is None for joint in mesh.joints):
@@ -85,19 +86,22 @@ def lateral_start(
         push = -float(coiled.axial_force[-1]) if stands(model) else None
         found = with_contact(model, found, motion, coiled.contact_force, push)
     loads, last = _side_loads(model, found), None
+    least = _rough_length(model, found)
     for _ in range(MAX_ROUNDS):
         buckling = _first_node(model, found)
         if buckling is None:
             return None
         frame = _directors(model, found)
-        # on short elements contacts that open and close hold up a buckle that moves along the hole: wells of 12 km need half as long
-        parts = _Parts(model, found, buckling, 0.0 if last is not None else _rough_length(model, found))
+        # on short elements the boundary of a contact moves by an element in a step, and contacts that open and close hold up a
+        # buckle that moves along the hole: wells of 12 km need half as long
+        parts = _Parts(model, found, buckling, least)
         beam = _beam(model, found, parts, frame)
         beam.limit = limit
         state = _solved(model, found, beam, parts, frame, loads, last)
         if state is None:
             return None
         last = state.disturbed, *parts.spread(state.place)
+        least = least / REFINEMENT if REFINEMENT * len(parts.nodes) < mesh.nodes else 0.0
         before, found = found, with_contact(model, found, motion, parts.contact(beam, state.place, found))
         change = np.abs(found.axial_force - before.axial_force).max()
         if not parts.rough and change <= SETTLED_PUSH * -found.axial_force.min():

@@ -20,13 +20,14 @@ from drillpetsc.analysis.statics.start.march_shape import (
     shortening,
 )
 from drillpetsc.analysis.statics.start.resting_shape import Beam
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.static_table import at_nodes
+from drillpetsc.parallel import total
 from drillpetsc.physics.tools.reamer import Reamer
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
@@ -127,10 +128,7 @@ def nodal_loads(model: DrillingModel, rates: FloatArray | None = None) -> tuple[
     here = system.chain.vertices[owned]
     force[here] = -rows[system.layout.dofs["string.position"][owned]]
     torque[here] = -rows[system.layout.dofs["string.spin"][owned, 0]]
-    if system.comm.size > 1:
-        comm = system.comm.tompi4py()
-        force, torque = comm.allreduce(force), comm.allreduce(torque)
-    return force, torque
+    return total(system.comm, force), total(system.comm, torque)
 
 
 def pressure_tension(model: DrillingModel) -> FloatArray:
@@ -203,9 +201,7 @@ class _Marcher:
         n, depth = mesh.nodes, mesh.node_depth + top_depth(model)
         force, load_torque = nodal_loads(model, rates)
         _, t, _ = well.at(depth)
-        half = np.zeros(n)
-        half[:-1] += 0.5 * mesh.length
-        half[1:] += 0.5 * mesh.length
+        half = halves_at_nodes(mesh.length)
         middle = np.concatenate([[depth[0]], 0.5 * (depth[1:] + depth[:-1]), [depth[-1]]])
         turn = np.diff(np.asarray(well.at(middle)[1]), axis=0)  # of the hole over each node's own length
         along = np.sum(force * t, axis=1)

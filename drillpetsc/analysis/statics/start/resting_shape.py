@@ -11,22 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.solvers.chain.block_tridiagonal import Piece
+from drillpetsc.solvers.static.lateral_beam import element_matrices
 
 TIE = 1e3  # stiffness of a tie over the largest of the beam's entries [-]
-_BENDING = (  # over EI/h^3; rows and columns: deflection and slope times h at both ends
-    (12.0, 6.0, -12.0, 6.0),
-    (6.0, 4.0, -6.0, 2.0),
-    (-12.0, -6.0, 12.0, -6.0),
-    (6.0, 2.0, -6.0, 4.0),
-)
-_TENSION = (  # over T/30h, as above
-    (36.0, 3.0, -36.0, 3.0),
-    (3.0, 4.0, -3.0, -1.0),
-    (-36.0, -3.0, 36.0, -3.0),
-    (3.0, -1.0, -3.0, 4.0),
-)
 _PIVOT = 1e-14  # a pivot over the largest entry of its column
 
 
@@ -57,18 +46,11 @@ def resting_shape(beam: Beam, wall: FloatArray, curvature: FloatArray) -> tuple[
     flexible = ~beam.joint
     h = np.where(flexible, beam.length, 1.0)
     bending = np.where(flexible, beam.bending, 0.0)
-    scale = np.stack([np.ones_like(h), h, np.ones_like(h), h], axis=1)
-    entries = (bending / h**3)[:, None, None] * np.array(_BENDING)
-    entries += (np.where(flexible, np.maximum(beam.tension, 0.0), 0.0) / (30 * h))[:, None, None] * np.array(
-        _TENSION
-    )
-    entries *= scale[:, :, None] * scale[:, None, :]
+    tension = np.where(flexible, np.maximum(beam.tension, 0.0), 0.0)
+    entries = element_matrices(h, bending, tension, np.zeros_like(h))
     tie = TIE * float(np.max(entries[:, 0, 0], initial=0.0))
     entries[beam.joint] = tie * (np.eye(4) - np.eye(4, k=2) - np.eye(4, k=-2))
-    half = np.zeros(n)
-    half[:-1] += 0.5 * beam.length
-    half[1:] += 0.5 * beam.length
-    bed = beam.bed * half
+    bed = beam.bed * halves_at_nodes(beam.length)
     bed[0] += tie
     held = np.zeros((n, 2))
     held[:, 0] = bed
