@@ -198,7 +198,7 @@ class OneStep:
 
     def sums(self, block: Any, kernel: str, columns: int) -> FloatArray:
         """(k, columns) sums of the results of a block over its elements on this rank."""
-        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
+        return np.asarray(self.results(block, kernel, columns).sums[None].copy())
 
     def parameters(self, block: Any, name: str, row: int) -> FloatArray:
         """(k,) or (k, width) the parameter ``name`` of one element of a block."""
