@@ -80,8 +80,8 @@ class Quantity:
 
     name: str
     unit: str
-    on: Entity
     label: str
+    on: Entity = "scalar"
     mnemonic: str = ""
     sign: str = ""
     doc: str = ""

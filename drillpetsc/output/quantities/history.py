@@ -7,7 +7,6 @@ from drillpetsc.fem.quantity import Quantity, part
 TIME = Quantity(
     "time",
     "s",
-    on="scalar",
     label="Time",
     mnemonic="TIME",
     doc="Simulated time.",
@@ -19,7 +18,6 @@ TIME = Quantity(
 STEP = Quantity(
     "step",
     "s",
-    on="scalar",
     label="Time step",
     mnemonic="STEP",
     doc="Last time step before the row.",
@@ -32,7 +30,6 @@ STEP = Quantity(
 NEWTON = Quantity(
     "newton",
     "-",
-    on="scalar",
     label="Newton iterations",
     mnemonic="NEWT",
     doc="Newton iterations of the last time step before the row.",
@@ -48,7 +45,6 @@ TOP_END: tuple[Quantity, ...] = (
     Quantity(
         "hook_load",
         "N",
-        on="scalar",
         label="Hook load",
         mnemonic="HKLD",
         sign="the drive pulls the string up",
@@ -61,7 +57,6 @@ TOP_END: tuple[Quantity, ...] = (
     Quantity(
         "surface_torque",
         "N m",
-        on="scalar",
         label="Surface torque",
         mnemonic="STOR",
         sign="the drive turns the string clockwise (looking down)",
@@ -75,7 +70,6 @@ TOP_END: tuple[Quantity, ...] = (
 HOOK_LOAD_TOTAL = Quantity(
     "hook_load_total",
     "N",
-    on="scalar",
     label="Total hook load",
     mnemonic="HKLX",
     sign="the hook pulls up",
@@ -86,7 +80,6 @@ HOOK_LOAD_TOTAL = Quantity(
 TOP_TRAVEL = Quantity(
     "top_travel",
     "m",
-    on="scalar",
     label="Travel of the top",
     mnemonic="TTRV",
     sign="down",
@@ -101,7 +94,6 @@ LOWER_END: tuple[Quantity, ...] = (
     Quantity(
         "bit_speed",
         "rad/s",
-        on="scalar",
         label="Bit speed",
         mnemonic="BRPM",
         sign="clockwise (looking down)",
@@ -115,7 +107,6 @@ LOWER_END: tuple[Quantity, ...] = (
     Quantity(
         "bit_depth",
         "m",
-        on="scalar",
         label="Bit depth",
         mnemonic="DBTM",
         sign="down",
@@ -135,7 +126,6 @@ HOLE: tuple[Quantity, ...] = (
     Quantity(
         "hole_depth",
         "m",
-        on="scalar",
         label="Hole depth",
         mnemonic="DMEA",
         sign="down",
@@ -150,7 +140,6 @@ HOLE: tuple[Quantity, ...] = (
         "rop",
         "m/s",
         kind="rop",
-        on="scalar",
         label="Rate of penetration",
         mnemonic="ROP",
         sign="the hole grows",
@@ -167,7 +156,6 @@ ENERGY: tuple[Quantity, ...] = (
         "kinetic_energy",
         "J",
         kind="energy",
-        on="scalar",
         label="Kinetic energy",
         mnemonic="EKIN",
         doc="Kinetic energy of string and mud.",
@@ -181,7 +169,6 @@ ENERGY: tuple[Quantity, ...] = (
         "strain_energy",
         "J",
         kind="energy",
-        on="scalar",
         label="Strain energy",
         mnemonic="ESTR",
         doc="Energy stored in the string, in contacts, springs and compressed mud.",
@@ -195,7 +182,6 @@ ENERGY: tuple[Quantity, ...] = (
         "energy_error",
         "J",
         kind="energy",
-        on="scalar",
         label="Energy error",
         mnemonic="EERR",
         sign="the time integration created energy",
@@ -211,7 +197,6 @@ ENERGY: tuple[Quantity, ...] = (
 POWERS = Quantity(
     "powers",
     "W",
-    on="scalar",
     label="Powers",
     doc="Dissipated and supplied power.",
     value=lambda balance, sample: sample.system.local_powers(sample.time),
