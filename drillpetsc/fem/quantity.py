@@ -30,11 +30,6 @@ NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
 
-def part(values: Any, columns: int | slice) -> Any:
-    """``columns`` of values (k, m) of recorded steps; None of None."""
-    return None if values is None else values[:, columns]
-
-
 def numbered(word: str, number: int) -> str:
     """``word`` for the first of several in the string from the top, ``word_2`` for the second, and so on."""
     return word if number == 1 else f"{word}_{number}"

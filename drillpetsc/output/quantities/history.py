@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drillpetsc.fem.quantity import Quantity, part
+from drillpetsc.fem.quantity import Quantity
 
 TIME = Quantity(
     "time",
@@ -49,7 +49,6 @@ TOP_END: tuple[Quantity, ...] = (
         mnemonic="HKLD",
         sign="the drive pulls the string up",
         doc="Pull of the top on the string: the reaction, or the given force.",
-        value=lambda top, sample: top.hook_load(sample),
         values=lambda top, steps: top.hook_loads(steps),
         panel=1,
         interest=3,
@@ -61,7 +60,6 @@ TOP_END: tuple[Quantity, ...] = (
         mnemonic="STOR",
         sign="the drive turns the string clockwise (looking down)",
         doc="Torque of the drive on the string.",
-        value=lambda top, sample: top.surface_torque(sample),
         values=lambda top, steps: top.surface_torques(steps),
         panel=3,
         interest=6,
@@ -74,7 +72,7 @@ HOOK_LOAD_TOTAL = Quantity(
     mnemonic="HKLX",
     sign="the hook pulls up",
     doc="Hook load and the weight of the block.",
-    value=lambda top, sample: top.hook_load_total(sample),
+    values=lambda top, steps: top.hook_load_totals(steps),
     panel=1,
 )
 TOP_TRAVEL = Quantity(
@@ -99,8 +97,7 @@ LOWER_END: tuple[Quantity, ...] = (
         sign="clockwise (looking down)",
         doc="Spin rate of the lower end of the string.",
         interpolate="motion",
-        value=lambda end, sample: sample.once(end.motion)[3],
-        values=lambda end, steps: part(end.motions(steps), 3),
+        values=lambda end, steps: end.motions(steps)[:, 3],
         panel=4,
         interest=1,
     ),
@@ -113,8 +110,7 @@ LOWER_END: tuple[Quantity, ...] = (
         doc="Measured depth of the face of the string's lower end.",
         interpolate="motion",
         mean=False,
-        value=lambda end, sample: sample.once(end.motion)[:3],
-        values=lambda end, steps: part(end.motions(steps), slice(0, 3)),
+        values=lambda end, steps: end.motions(steps)[:, :3],
         size=3,
         finish=lambda end, point, depth: (end.depth_of(point),),
         finish_rows=lambda end, points: end.depths_of(points)[:, None],
