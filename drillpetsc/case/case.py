@@ -15,7 +15,7 @@ from drillpetsc.case.changes import changed, text_of
 from drillpetsc.case.checks.case import check_case
 from drillpetsc.case.checks.spreads import spreads_in_si
 from drillpetsc.case.defaults import fill_case_defaults, fill_presence_defaults
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER
 from drillpetsc.case.key_paths import check_plain, refuse
 from drillpetsc.case.messages import case_error
 from drillpetsc.case.old_words import check_old_words

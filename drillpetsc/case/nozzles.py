@@ -6,12 +6,9 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
 from drillpetsc.case.catalogue.sizes import INCH, size_at_start
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import as_list, said, with_unit
+from drillpetsc.case.quantities import Value, as_list, said, with_unit
 from drillpetsc.units import to_si
 
 WANT = "3 x 12/32 in, 3x12, [12, 12, 12], 2 x 12 + 1 x 14 or 3 x 9.5 mm; whole numbers from 6 to 40 are 32nds of an inch"
@@ -23,7 +20,7 @@ _SHARE = re.compile(r"\s*(?:(\d{1,4})\s*[xX*\u00d7]\s*)?(.+?)\s*")
 
 
 @dataclass(frozen=True)
-class Nozzles:
+class Nozzles(Value):
     """Diameters of nozzles [m]; whole numbers from 6 to 40 are 32nds of an inch, other bare numbers have the unit of diameters."""
 
     unit: str = "m"
@@ -76,11 +73,6 @@ class Nozzles:
             raise refuse(got=whole, want=f"1 to {MOST} nozzles")
         return [inches * INCH] * count
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json(self) -> dict[str, Any]:
         one = {"anyOf": [{"type": "number"}, {"type": "string"}]}
         return {"anyOf": [{"type": "string"}, {"type": "array", "items": one, "minItems": 1}]}

@@ -89,8 +89,32 @@ def with_text(value: Any) -> Any:
     return value
 
 
+class Value:
+    """Metadata of a key: how its value is read, and the value's JSON schema."""
+
+    def read(self, value: object) -> Any:
+        """The value in SI, or the error of the key."""
+        raise NotImplementedError
+
+    def json(self) -> dict[str, Any]:
+        """JSON schema of the value."""
+        raise NotImplementedError
+
+    def serialization(self) -> core_schema.SerSchema | None:
+        """How the value is written; None: as it is."""
+        return None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read, serialization=self.serialization())
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self.json()
+
+
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(Value):
     """A number in the SI unit `unit` within bounds (SI); text with any unit of the same dimension is
     converted."""
 
@@ -104,17 +128,22 @@ class Quantity:
     kind: str = ""
     """A key of `unit_systems.KINDS`, `none` for a quantity whose numbers always need a unit, or "": the usual kind of the unit."""
 
+    @property
+    def _bounds(self) -> list[tuple[str, float]]:
+        """The bounds, each with its words."""
+        bounds = {
+            "above": self.above,
+            "at least": self.at_least,
+            "below": self.below,
+            "at most": self.at_most,
+        }
+        return [(word, bound) for word, bound in bounds.items() if bound is not None]
+
     def allowed(self, system: System = "SI") -> str:
         """The range in words, in the units of a system if it has one for this quantity; empty if unbounded."""
         unit = unit_of_bare_number(self.unit, self.kind, system) if self.unit else None
         kind = kind_of(self.unit, self.kind)
-        words = (
-            ("above", self.above),
-            ("at least", self.at_least),
-            ("below", self.below),
-            ("at most", self.at_most),
-        )
-        bounds = [(word, bound) for word, bound in words if bound is not None]
+        bounds = self._bounds
         if unit is None or system == "SI" or kind not in KINDS:
             text = ", ".join(f"{word} {bound:g}" for word, bound in bounds)
             return f"{text} {self.unit}".rstrip() if bounds else ""
@@ -124,15 +153,9 @@ class Quantity:
 
     def _allowed_for(self, value: object, system: System) -> str:
         """The range in words; for angles in the unit of the ``value`` (degrees), otherwise as in ``allowed``."""
-        bounds = (
-            ("above", self.above),
-            ("at least", self.at_least),
-            ("below", self.below),
-            ("at most", self.at_most),
-        )
         if self.unit != "rad" or not isinstance(value, str):
             return self.allowed(system)
-        numbers = [(word, in_unit_of(value, bound, self.unit)) for word, bound in bounds if bound is not None]
+        numbers = [(word, in_unit_of(value, bound, self.unit)) for word, bound in self._bounds]
         text = ", ".join(f"{word} {number}" for word, number in numbers)
         return text if all(number for _, number in numbers) else self.allowed(system)
 
@@ -191,26 +214,14 @@ class Quantity:
             "maximum": self.at_most,
         }
         # with `units: metric` a bare number is in another unit than the bounds, which are SI: only a bound of 0 holds in all
-        number.update(
-            {
-                key: bound
-                for key, bound in bounds.items()
-                if bound is not None and (not self.unit or bound == 0)
-            }
-        )
+        number |= {
+            key: bound for key, bound in bounds.items() if bound is not None and (not self.unit or bound == 0)
+        }
         return {"anyOf": [number, {"type": "string"}]} if self.unit else number
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return self.json()
 
 
 @dataclass(frozen=True)
-class Vector:
+class Vector(Value):
     """Three numbers in the SI unit `unit`.
 
     along_z: one number is also accepted, as the component along the third axis
@@ -235,19 +246,14 @@ class Vector:
         number = component.read(value)
         return (number, 0.0, 0.0) if self.along_x else (0.0, 0.0, number)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json(self) -> dict[str, Any]:
         number = Quantity(self.unit).json()
         row = {"type": "array", "items": number, "minItems": 3, "maxItems": 3}
         return {"anyOf": [row, *number["anyOf"]]} if self.along_x or self.along_z else row
 
 
 @dataclass(frozen=True)
-class OverTime:
+class OverTime(Value):
     """A value over time in the SI unit `unit`: a constant, {time, value} or {ramp, value}."""
 
     unit: str
@@ -287,13 +293,10 @@ class OverTime:
             want = "times in ascending order; a time given twice is a jump"
             raise refuse("time", got=times, want=want, hint=str(error)) from None
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        plain = core_schema.plain_serializer_function_ser_schema(dump_time_function)
-        return core_schema.no_info_plain_validator_function(self.read, serialization=plain)
+    def serialization(self) -> core_schema.SerSchema:
+        return core_schema.plain_serializer_function_ser_schema(dump_time_function)
 
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json(self) -> dict[str, Any]:
         number, time = Quantity(self.unit).json(), Quantity("s").json()
 
         def mapping(**properties: Any) -> dict[str, Any]:
@@ -309,7 +312,7 @@ class OverTime:
 
 
 @dataclass(frozen=True)
-class WordOrNumber:
+class WordOrNumber(Value):
     """One of some words, or a number in the SI unit of `quantity`; `none` is 0 if it is allowed."""
 
     words: tuple[str, ...]
@@ -343,12 +346,7 @@ class WordOrNumber:
             raise refuse(got=value, want=want, hint=suggestion(value, self._all_words))
         return self.quantity.read(value)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json(self) -> dict[str, Any]:
         if self.unit:  # a text may be a number with a unit
             return {"anyOf": [{"type": "number"}, {"type": "string"}]}
         words = {"enum": list(self._all_words), "type": "string"}

@@ -9,7 +9,7 @@ from typing import Any
 
 from drillpetsc.case.case import Case
 from drillpetsc.case.changes import with_change
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER, bytes_of
 from drillpetsc.case.files.yaml_text import Lines, read_mapping
 from drillpetsc.case.key_paths import written
 from drillpetsc.errors import CaseError
@@ -82,13 +82,7 @@ def read_case_file(path: str | FilePath) -> tuple[dict[str, Any], Lines]:
     """Plain data and line numbers of a case file."""
     path = FilePath(path)
     try:
-        with path.open("rb") as file:
-            raw = file.read(MAX_BYTES + 1)  # a device may never end
-        if len(raw) > MAX_BYTES:
-            raise CaseError(
-                file=path, line=1, got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB"
-            )
-        text = raw.decode("utf-8-sig")
+        text = bytes_of(path, MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a text file in UTF-8") from None
     except OSError:

@@ -70,7 +70,7 @@ class DiscreteSystem:
         #: of each bound block: its component
         self.component_of = [c for c, own in zip(self.components, by_component, strict=True) for _ in own]
         #: components that store energy, and components with powers
-        self._storing = self._with_own("energies", "energies_of")
+        self._storing = {"": self._with_own("energies", "energies_of")}
         self._working = self._with_own("powers", "powers_of")
         #: components with history variables
         self._remembering = [c for c in self.components if c.remembers]
@@ -329,15 +329,20 @@ class DiscreteSystem:
 
     def _local_energies(self, t: float, physics: str = "") -> FloatArray:
         """(3,) ``energies`` of this rank."""
-        chosen = self._with(physics) if physics else self._storing
-        parts = [component.energies(t, self.assembly) for component in self._storing if component in chosen]
-        return np.sum([(0.0, 0.0, 0.0), *parts], axis=0)
+        kinetic = strain = potential = 0.0
+        for component in self._storing_of(physics):
+            part = component.energies(t, self.assembly)
+            kinetic, strain, potential = kinetic + part[0], strain + part[1], potential + part[2]
+        return np.array([kinetic, strain, potential])
 
-    def _with(self, physics: str) -> list[Component]:
-        """Components with an element on this rank that has unknowns of ``physics``."""
-        names = {f.name for f in self.layout.fields if f.physics == physics}
-        pairs = zip(self.assembly.bound_blocks, self.component_of, strict=True)
-        return [c for b, c in pairs if b.count and any(name in names for name, _ in b.block.slots)]
+    def _storing_of(self, physics: str) -> list[Component]:
+        """Components that store energy and have an element on this rank with unknowns of ``physics``; all if that is empty."""
+        if physics not in self._storing:
+            names = {f.name for f in self.layout.fields if f.physics == physics}
+            pairs = zip(self.assembly.bound_blocks, self.component_of, strict=True)
+            found = [c for b, c in pairs if b.count and any(name in names for name, _ in b.block.slots)]
+            self._storing[physics] = [c for c in self._storing[""] if c in found]
+        return self._storing[physics]
 
     def powers(self, t: float) -> Powers:
         """Compute the dissipated and supplied power [W] at the assembly's x, y, a, summed over ranks.
@@ -366,7 +371,7 @@ class DiscreteSystem:
         if self.assembly.derive is not None:
             return steps.computed(lambda sample: self._local_energies(sample.time), 3, "energies")
         out = np.zeros((len(steps), 3))
-        for component in self._storing:
+        for component in self._storing_of(""):
             for k, part in enumerate(component.energies_of(steps)):
                 out[:, k] += part
         return out

@@ -30,11 +30,6 @@ NAME = "NAME"
 _PLACES = {DEPTH: r"([-+.\deE]+)", NAME: r"([A-Za-z0-9_-]+)"}
 
 
-def part(values: Any, columns: int | slice) -> Any:
-    """``columns`` of values (k, m) of recorded steps; None of None."""
-    return None if values is None else values[:, columns]
-
-
 def numbered(word: str, number: int) -> str:
     """``word`` for the first of several in the string from the top, ``word_2`` for the second, and so on."""
     return word if number == 1 else f"{word}_{number}"
@@ -80,8 +75,8 @@ class Quantity:
 
     name: str
     unit: str
-    on: Entity
     label: str
+    on: Entity = "scalar"
     mnemonic: str = ""
     sign: str = ""
     doc: str = ""
@@ -198,7 +193,7 @@ class OneStep:
 
     def sums(self, block: Any, kernel: str, columns: int) -> FloatArray:
         """(k, columns) sums of the results of a block over its elements on this rank."""
-        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
+        return np.asarray(self.results(block, kernel, columns).sums[None].copy())
 
     def parameters(self, block: Any, name: str, row: int) -> FloatArray:
         """(k,) or (k, width) the parameter ``name`` of one element of a block."""

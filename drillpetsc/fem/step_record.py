@@ -145,6 +145,9 @@ class StepRecord(OneStep):
         found = self._columns[span].T
         return np.asarray(found[:, 0] if one else found)
 
+    def sums(self, block: ElementBlock, kernel: str, columns: int) -> FloatArray:
+        return self.numbers(self.results(block, kernel, columns).sums, range(columns))
+
     def computed(self, call: Callable[[Sample], Any], size: int, *key: Any) -> FloatArray:
         span = self._spans.get(key)
         if span is None:

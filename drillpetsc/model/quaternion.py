@@ -42,7 +42,7 @@ def quaternion_components(
     top, bottom = _top(case, beam, ends[0]), _bottom(case, beam, ends[1])
     components = [beam, *((top,) if top.prescribes else ()), *((bottom,) if bottom is not None else ())]
     if loads:
-        components.append(QuaternionLoads(tuple(loads), breaks))
+        components.append(QuaternionLoads(tuple(loads), frames, breaks))
     if contact is not None:
         components.append(contact)
     return beam, top, components

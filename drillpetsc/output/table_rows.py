@@ -35,9 +35,9 @@ class Slot:
     def of(self, steps: StepRecord) -> FloatArray:
         """(k, width) the value after each of k recorded steps, this rank's share."""
         # unknowns that are derived from others are found one step at a time
-        together = self.values is not None and steps.assembly.derive is None
-        found = self.values(self.source, steps) if together and self.values is not None else None
-        if found is None:
+        if self.values is not None and steps.assembly.derive is None:
+            found = self.values(self.source, steps)
+        else:
             width = self.span.stop - self.span.start
             found = steps.computed(
                 lambda sample: np.ravel(self.value(self.source, sample)), width, "slot", self.start

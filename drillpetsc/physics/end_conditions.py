@@ -30,7 +30,7 @@ class Input(Protocol):
     def breaks(self) -> tuple[float, ...]: ...
 
 
-def _axes(tangent: FloatArray) -> FloatArray:
+def axes_of(tangent: FloatArray) -> FloatArray:
     """Return (3, 3) rows: the tangent and two unit vectors across it."""
     side = high_side(tangent)
     return np.array([tangent, side, np.cross(tangent, side)])
@@ -95,7 +95,7 @@ class PathEnd(Top):
         self.inputs = tuple(i for i in (rotation, lowering) if i is not None)
         self._axial_row, self._across, self._tilt, self._spin = axial, across, tilt, spin
         self._path, self._frames, self._vertex = path, frames, vertex
-        axes = _axes(tangent)
+        axes = axes_of(tangent)
         where = "top" if vertex == 0 else "bottom"
         names = (
             ["axial_reaction"] * axial
@@ -373,6 +373,8 @@ class Loads(Component):
     """Forces and moments on nodes."""
 
     name = "loads"
+    #: kernel, slots and ends with spins
+    _element: tuple[str, tuple[tuple[str, int], ...], tuple[int, ...]] = ("load", VERTEX_SLOTS, (0,))
 
     def __init__(self, loads: tuple[NodeLoad, ...], frames: Frames, breaks: tuple[float, ...] = ()):
         self.loads, self.frames, self._breaks = loads, frames, breaks
@@ -380,15 +382,9 @@ class Loads(Component):
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         on_rank, vertices, cells = local_loads(part, self.loads)
-        nodes = np.array([q.node for q in on_rank], dtype=int)
-        params = Parameters(
-            "load",
-            len(on_rank),
-            **load_rows(on_rank),
-            reference=self.frames.reference[nodes],
-            second=self.frames.second_director[nodes],
-            factor=1.0,
-        )
+        self._nodes = np.array([q.node for q in on_rank], dtype=int)
+        kernel, slots, spins = self._element
+        params = Parameters(kernel, len(on_rank), **load_rows(on_rank), **self._axes(), factor=1.0)
         now = params["factor"]
         timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
 
@@ -398,24 +394,24 @@ class Loads(Component):
 
         self._block = ElementBlock(
             "loads",
-            "load",
+            kernel,
             "vertex",
             vertices,
-            VERTEX_SLOTS,
-            (0,),
+            slots,
+            spins,
             params.array,
             update=update if timed else None,
             elements=cells,
         )
-        self._nodes = nodes
         return (self._block,)
 
+    def _axes(self) -> dict[str, FloatArray]:
+        """Reference directions and second directors (n, 3) at the loads, by the names of the kernel's parameters."""
+        nodes = self._nodes
+        return {"reference": self.frames.reference[nodes], "second": self.frames.second_director[nodes]}
+
     def update_reference_frames(self) -> None:
-        p = self._block.named
-        p["reference"], p["second"] = (
-            self.frames.reference[self._nodes],
-            self.frames.second_director[self._nodes],
-        )
+        self._block.named.update(self._axes())
 
     def breaks(self) -> tuple[float, ...]:
         return self._breaks

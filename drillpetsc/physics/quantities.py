@@ -40,7 +40,6 @@ BIT: tuple[Quantity, ...] = (
     Quantity(
         "wob",
         "N",
-        on="scalar",
         label="Weight on bit",
         mnemonic="WOB",
         sign="positive on the rock",
@@ -52,7 +51,6 @@ BIT: tuple[Quantity, ...] = (
     Quantity(
         "bit_torque",
         "N m",
-        on="scalar",
         label="Torque on bit",
         mnemonic="TOB",
         sign="the rock brakes clockwise rotation",
@@ -69,7 +67,6 @@ BIT_SIDE: tuple[Quantity, ...] = (
         "bit_overgauge",
         "m",
         kind="diameter",
-        on="scalar",
         label="Over-gauge at the bit",
         mnemonic="OVGA",
         sign="hole wider than the bit",
@@ -80,7 +77,6 @@ BIT_SIDE: tuple[Quantity, ...] = (
         "bit_orbit",
         "m",
         kind="diameter",
-        on="scalar",
         label="Orbit of the bit",
         mnemonic="OBIT",
         sign="not negative",
@@ -94,7 +90,6 @@ REAMER: tuple[Quantity, ...] = (
     Quantity(
         "wob_reamer",
         "N",
-        on="scalar",
         label="Weight on reamer",
         mnemonic="WOR",
         sign="positive on the rock",
@@ -106,7 +101,6 @@ REAMER: tuple[Quantity, ...] = (
     Quantity(
         "torque_reamer",
         "N m",
-        on="scalar",
         label="Torque on reamer",
         mnemonic="TOR",
         sign="the rock brakes clockwise rotation",
@@ -118,7 +112,6 @@ REAMER: tuple[Quantity, ...] = (
     Quantity(
         "hole_depth_reamer",
         "m",
-        on="scalar",
         label="Depth of the reamed hole",
         mnemonic="DRMD",
         sign="down",
@@ -134,7 +127,6 @@ REAMER: tuple[Quantity, ...] = (
 _STEERING_TOOL_FACE = Quantity(
     "steering_tool_face",
     "rad",
-    on="scalar",
     label="Commanded tool face",
     mnemonic="TFST",
     sign="clockwise from the high side looking down the hole; from north below 5 deg of inclination",
@@ -146,7 +138,6 @@ STEERING_PUSH: tuple[Quantity, ...] = (
     Quantity(
         "steering_force",
         "N",
-        on="scalar",
         label="Steering force",
         mnemonic="STFO",
         sign="not negative, towards the tool face",
@@ -159,7 +150,6 @@ STEERING_POINT: tuple[Quantity, ...] = (
     Quantity(
         "steering_tilt",
         "rad",
-        on="scalar",
         label="Tilt of the shaft",
         mnemonic="STTI",
         sign="not negative, towards the tool face",
@@ -263,7 +253,6 @@ JAR: tuple[Quantity, ...] = (
     Quantity(
         "jar_state",
         "-",
-        on="scalar",
         label="State of the jar",
         mnemonic="JARS",
         sign="0 latched, 1 metering, 2 free",
@@ -276,7 +265,6 @@ JAR: tuple[Quantity, ...] = (
     Quantity(
         "jar_stroke",
         "m",
-        on="scalar",
         label="Stroke of the jar",
         mnemonic="JARX",
         sign="positive as the jar opens",
@@ -287,7 +275,6 @@ JAR: tuple[Quantity, ...] = (
     Quantity(
         "jar_impact_force",
         "N",
-        on="scalar",
         label="Impact force of the jar",
         mnemonic="JARF",
         sign="not negative",
@@ -298,7 +285,6 @@ JAR: tuple[Quantity, ...] = (
     Quantity(
         "jar_fired",
         "-",
-        on="scalar",
         label="Shots of the jar",
         mnemonic="JARN",
         sign="not negative",
@@ -323,7 +309,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "top_speed",
         "rad/s",
-        on="scalar",
         label="Speed of the top drive",
         mnemonic="RPMA",
         sign="clockwise (looking down)",
@@ -335,7 +320,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_torque",
         "N m",
-        on="scalar",
         label="Motor torque",
         mnemonic="TQMO",
         sign="the motor drives clockwise (looking down)",
@@ -346,7 +330,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "pipe_torque",
         "N m",
-        on="scalar",
         label="Torque on the pipe",
         mnemonic="TQPI",
         sign="the drive turns the string clockwise (looking down)",
@@ -357,7 +340,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_power",
         "W",
-        on="scalar",
         label="Motor power",
         mnemonic="PWMO",
         sign="the motor drives the string",
@@ -367,7 +349,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "speed_error",
         "rad/s",
-        on="scalar",
         label="Speed error of the top drive",
         mnemonic="RPME",
         sign="the drive is slower than its set point",
@@ -377,7 +358,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "control_mode",
         "-",
-        on="scalar",
         label="Control mode",
         mnemonic="CMOD",
         sign="0 torque prescribed, 1 pi, 2 stiff, 3 soft_torque, 4 z_torque, 5 python",
@@ -389,7 +369,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "torque_limited",
         "-",
-        on="scalar",
         label="Torque at a limit",
         mnemonic="TQLI",
         sign="1 at a limit, else 0",
@@ -413,7 +392,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_speed",
         "rad/s",
-        on="scalar",
         label="Speed of the downhole motor",
         mnemonic="MRPM",
         sign="the rotor turns clockwise in the stator (looking down)",
@@ -425,7 +403,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_output_torque",
         "N m",
-        on="scalar",
         label="Torque of the downhole motor",
         mnemonic="MTOR",
         sign="the stator turns the rotor clockwise (looking down)",
@@ -437,7 +414,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         "motor_differential_pressure",
         "Pa",
         kind="pressure",
-        on="scalar",
         label="Motor pressure",
         mnemonic="MDPR",
         sign="pressure above less pressure below",
@@ -447,7 +423,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_stalled",
         "-",
-        on="scalar",
         label="Motor stalled",
         mnemonic="MSTA",
         sign="1 stalled, else 0",
@@ -458,7 +433,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "rotor_orbit_speed",
         "rad/s",
-        on="scalar",
         label="Orbit of the rotor",
         mnemonic="MORB",
         sign="clockwise in space (looking down)",
@@ -468,7 +442,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "bearing_load",
         "N",
-        on="scalar",
         label="Load of the thrust bearing",
         mnemonic="MBRG",
         sign="positive if mud and weight push the rotor down",
@@ -478,7 +451,6 @@ MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "tool_face",
         "rad",
-        on="scalar",
         label="Tool face",
         mnemonic="TFAC",
         sign="clockwise from the high side (looking down), from north if the inclination is below 5 deg",
@@ -497,7 +469,6 @@ AGITATOR: tuple[Quantity, ...] = (
         "agitator_pressure",
         "Pa",
         kind="pressure",
-        on="scalar",
         label="Agitator pressure",
         mnemonic="AGPR",
         interpolate="motion",
@@ -509,7 +480,6 @@ AGITATOR: tuple[Quantity, ...] = (
     Quantity(
         "agitator_force",
         "N",
-        on="scalar",
         label="Agitator force",
         mnemonic="AGFO",
         interpolate="motion",
@@ -530,7 +500,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "block_position",
         "m",
-        on="scalar",
         label="Height of the block",
         mnemonic="BPOS",
         sign="above the floor",
@@ -541,7 +510,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "block_speed",
         "m/s",
-        on="scalar",
         label="Speed of the block",
         mnemonic="BVEL",
         sign="down",
@@ -551,7 +519,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "drum_speed",
         "m/s",
-        on="scalar",
         label="Speed of the drum",
         mnemonic="DRSP",
         sign="the drum pays out",
@@ -561,7 +528,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "line_tension",
         "N",
-        on="scalar",
         label="Force of the lines",
         mnemonic="LINF",
         sign="the lines pull the block up",
@@ -571,7 +537,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "dead_line_tension",
         "N",
-        on="scalar",
         label="Dead-line tension",
         mnemonic="DLTN",
         sign="tension positive",
@@ -581,7 +546,6 @@ HOIST: tuple[Quantity, ...] = (
     Quantity(
         "hook_load_sensor",
         "N",
-        on="scalar",
         label="Hook load by the dead line",
         mnemonic="HKLS",
         sign="the hook pulls up",
@@ -594,7 +558,6 @@ AUTODRILLER: tuple[Quantity, ...] = (
     Quantity(
         "wob_surface",
         "N",
-        on="scalar",
         label="Weight on bit by the hook load",
         mnemonic="SWOB",
         sign="positive on the rock",
@@ -605,7 +568,6 @@ AUTODRILLER: tuple[Quantity, ...] = (
     Quantity(
         "autodriller_mode",
         "-",
-        on="scalar",
         label="Mode of the autodriller",
         mnemonic="ADMO",
         sign="0 off, 1 wob, 2 rop, 3 torque, 4 differential_pressure",

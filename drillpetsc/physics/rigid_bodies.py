@@ -5,6 +5,7 @@ Manual: sec-junctions-bodies, sec-junctions-unbalance, sec-junctions-eccentric, 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,52 @@ def local_vertices(part, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.array(chosen, dtype=int), np.array([local[int(nodes[k])] for k in chosen], dtype=np.int32)
 
 
-class RigidBodies(Component):
+class OnCells(Component):
+    """Elements on some cells of the string, with the frames of their ends."""
+
+    def __init__(self, mesh: StringMesh, frames: Frames):
+        self.mesh, self.frames = mesh, frames
+        self._blocks: list[ElementBlock] = []
+        self._cells: list[np.ndarray] = []
+
+    def _on_cells(
+        self,
+        part,
+        mask: np.ndarray,
+        names: tuple[str, str],
+        parameters: Callable[[np.ndarray], dict[str, Any]],
+    ) -> list[ElementBlock]:
+        """Blocks of the cells of a ``mask`` (n,), below a junction or not.
+
+        names: of the blocks and of their kernel; parameters(e): of the cells ``e`` (k,).
+        """
+        m, self._blocks, self._cells = self.mesh, [], []
+        for below in (False, True):
+            chosen = mask & (m.below_junction == below)
+            if not chosen.any():
+                continue  # the same decision on every rank
+            points = np.flatnonzero(chosen[part.cells]).astype(np.int32)
+            e = part.cells[points]
+            name, kernel = (q + "_junction" * below for q in names)
+            params = Parameters(
+                names[1],
+                len(e),
+                length=m.length[e],
+                rigid=m.rigid_above[e],
+                **parameters(e),
+                **end_frames(self.frames, e),
+            )
+            slots = JUNCTION_SLOTS if below else SLOTS
+            self._blocks.append(ElementBlock(name, kernel, "cell", points, slots, (0, 1), params.array))
+            self._cells.append(e)
+        return self._blocks
+
+    def update_reference_frames(self) -> None:
+        for b, e in zip(self._blocks, self._cells, strict=True):
+            b.named.update(end_frames(self.frames, e))
+
+
+class RigidBodies(OnCells):
     """Rigid items on nodes, and pipes whose centre of mass is off their axis.
 
     mesh: of the string; frames: reference frames of its nodes; gravity: (3,) [m/s2].
@@ -39,7 +85,7 @@ class RigidBodies(Component):
     name = "bodies"
 
     def __init__(self, mesh: StringMesh, frames: Frames, gravity: FloatArray, balanced: bool = False):
-        self.mesh, self.frames = mesh, frames
+        super().__init__(mesh, frames)
         self.gravity = np.asarray(gravity, dtype=float)
         # node, mass [kg], centre of gravity along the tangent and in the two directors [m], axial and
         # transverse inertia [kg m2]
@@ -51,42 +97,15 @@ class RigidBodies(Component):
         self.eccentric = np.any(mesh.eccentricity != 0, axis=1) & (not balanced)  # (n,) elements
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
-        self._nodes, self._blocks, self._cells = np.zeros(0, dtype=int), [], []
-        out: tuple[ElementBlock, ...] = ()
-        if len(self.entries):
-            out += (self._on_nodes(part),)
-        m = self.mesh
-        junction = m.below_junction
-        for below in (False, True):
-            if not (self.eccentric & (junction == below)).any():
-                continue  # the same decision on every rank
-            chosen = np.flatnonzero(self.eccentric[part.cells] & (junction[part.cells] == below)).astype(
-                np.int32
-            )
-            e = part.cells[chosen]
-            params = Parameters(
-                "eccentric",
-                len(e),
-                length=m.length[e],
-                mass=m.mass[e],
-                offset=m.eccentricity[e],
-                rigid=m.rigid_above[e],
-                gravity=self.gravity,
-                **end_frames(self.frames, e),
-            )
-            self._blocks.append(
-                ElementBlock(
-                    "eccentric_junction" if below else "eccentric",
-                    "eccentric_junction" if below else "eccentric",
-                    "cell",
-                    chosen,
-                    JUNCTION_SLOTS if below else SLOTS,
-                    (0, 1),
-                    params.array,
-                )
-            )
-            self._cells.append(e)
-        return out + tuple(self._blocks)
+        m, self._nodes = self.mesh, np.zeros(0, dtype=int)
+        on_nodes = (self._on_nodes(part),) if len(self.entries) else ()
+        on_cells = self._on_cells(
+            part,
+            self.eccentric,
+            ("eccentric", "eccentric"),
+            lambda e: {"mass": m.mass[e], "offset": m.eccentricity[e], "gravity": self.gravity},
+        )
+        return (*on_nodes, *on_cells)
 
     def _on_nodes(self, part) -> ElementBlock:
         chosen, vertices = local_vertices(part, self.entries[:, 0].astype(int))
@@ -102,21 +121,19 @@ class RigidBodies(Component):
             axial=axial,
             transverse=transverse,
             gravity=self.gravity,
-            reference=self.frames.reference[self._nodes],
-            second=self.frames.second_director[self._nodes],
+            **self._node_frames(),
         )
         self._block = ElementBlock("bodies", "body", "vertex", vertices, VERTEX_SLOTS, (0,), params.array)
         return self._block
 
     def update_reference_frames(self) -> None:
+        super().update_reference_frames()
         if len(self._nodes):
-            p = self._block.named
-            p["reference"], p["second"] = (
-                self.frames.reference[self._nodes],
-                self.frames.second_director[self._nodes],
-            )
-        for b, e in zip(self._blocks, self._cells, strict=True):
-            b.named.update(end_frames(self.frames, e))
+            self._block.named.update(self._node_frames())
+
+    def _node_frames(self) -> dict[str, FloatArray]:
+        nodes = self._nodes
+        return {"reference": self.frames.reference[nodes], "second": self.frames.second_director[nodes]}
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         kinetic = potential = 0.0

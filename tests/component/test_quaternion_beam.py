@@ -55,7 +55,8 @@ def build(kind: str, seed: int = 3, constraint: str = "index3", gravity=GRAVITY)
                 (
                     NodeLoad(2, (1.0, -2.0, 3.0), (0.5, 0.2, -0.7), (0.3, -0.1, 0.4)),
                     NodeLoad(4, (4.0, 1.0, 2.0), (0.3, 2.0, 1.0), section=True, factor=lambda t: 1 + t),
-                )
+                ),
+                frames,
             )
         )
     if "topdrive" in kind or "weighted" in kind:

@@ -10,7 +10,7 @@ from typing import Any
 from drillpetsc.case.blocks.well import Survey
 from drillpetsc.case.case import Case, system_of
 from drillpetsc.case.changes import changed
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER
 from drillpetsc.case.key_paths import Path, parsed, suggestion, written
 from drillpetsc.case.schema import bare_unit_of
 from drillpetsc.case.writer import case_data

@@ -9,7 +9,7 @@ from typing import Any
 from drillpetsc.analysis.uncertain.uncertain_keys import WEIGHT_FACTOR, names_of
 from drillpetsc.case.case import Case
 from drillpetsc.case.changes import changed
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.json_file import read_summary
 from drillpetsc.output.files.run_folder import RunFolder

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 from drillpetsc.case.block import Block, derived_default
 from drillpetsc.case.blocks.items.string import Angle
 from drillpetsc.case.blocks.sensors import Indices, Sensor, as_sensors, indices_or_true
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import find_file
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.quantities import Quantity, as_list, said
 from drillpetsc.unit_systems import System
@@ -85,12 +85,12 @@ class Initial(Block):
         want = f"{', '.join(STARTS)}, or a run folder that exists"
         if not isinstance(value, (str, Path)) or not str(value).strip():
             raise refuse(got=value, want=want)
-        for folder in (FOLDER.get() / value, Path(value)):
-            if os.path.isdir(folder):  # Path.is_dir raises for a name longer than any folder's
-                if not (folder / "checkpoint.h5").is_file():
-                    raise refuse(got=value, want="a run folder that holds a checkpoint.h5")
-                return str(folder.resolve())
-        raise refuse(got=value, want=want, hint=suggestion(value, STARTS))
+        folder = find_file(value, os.path.isdir)
+        if folder is None:
+            raise refuse(got=value, want=want, hint=suggestion(value, STARTS))
+        if not (folder / "checkpoint.h5").is_file():
+            raise refuse(got=value, want="a run folder that holds a checkpoint.h5")
+        return str(folder.resolve())
 
     @model_validator(mode="after")
     def _wob_needs_statics(self) -> Initial:

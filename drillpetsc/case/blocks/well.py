@@ -27,6 +27,33 @@ from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, as_list, sa
 DEFAULT_FRICTION = {"casing": 0.2, "riser": 0.2, "open_hole": 0.3}
 
 
+North = Annotated[
+    Literal["grid", "true", "magnetic"] | None,
+    Field(description="what azimuths are measured from; for reports, without azimuth_from"),
+]
+_Angle = Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)]
+Convergence = Annotated[
+    _Angle | None,
+    Field(
+        description="grid convergence: grid north east of true north is positive; for reports, without azimuth_from"
+    ),
+]
+Declination = Annotated[
+    _Angle | None,
+    Field(
+        description="magnetic declination: magnetic north east of true north is positive; for reports, without azimuth_from"
+    ),
+]
+AzimuthFrom = Annotated[
+    bool,
+    Field(
+        strict=True,
+        description="true: azimuths are turned from their north by declination and convergence, to grid north, or to true north "
+        "without convergence",
+    ),
+]
+
+
 class TieIn(Block):
     """The station that a survey continues."""
 
@@ -53,23 +80,10 @@ class SurveyFile(Block):
     )
     tie_in: TieIn | None = Field(default=None, description="station above the first one of the file")
     allow_dogleg: bool = Field(default=False, strict=True, description="true: accept bends above 30 deg/30 m")
-    north: Literal["grid", "true", "magnetic"] | None = Field(
-        default=None, description="what azimuths are measured from; for reports, without azimuth_from"
-    )
-    convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None,
-        description="grid convergence: grid north east of true north is positive; for reports, without azimuth_from",
-    )
-    declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None,
-        description="magnetic declination: magnetic north east of true north is positive; for reports, without azimuth_from",
-    )
-    azimuth_from: bool = Field(
-        default=False,
-        strict=True,
-        description="true: azimuths are turned from their north by declination and convergence, to grid north, or to true north "
-        "without convergence",
-    )
+    north: North = None
+    convergence: Convergence = None
+    declination: Declination = None
+    azimuth_from: AzimuthFrom = False
 
 
 class Survey(Block):
@@ -87,23 +101,10 @@ class Survey(Block):
         Field(description="azimuths from north over east")
     )
 
-    north: Literal["grid", "true", "magnetic"] | None = Field(
-        default=None, description="what azimuths are measured from; for reports, without azimuth_from"
-    )
-    convergence: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None,
-        description="grid convergence: grid north east of true north is positive; for reports, without azimuth_from",
-    )
-    declination: Annotated[float, Quantity("rad", at_least=-math.pi, at_most=math.pi)] | None = Field(
-        default=None,
-        description="magnetic declination: magnetic north east of true north is positive; for reports, without azimuth_from",
-    )
-    azimuth_from: bool = Field(
-        default=False,
-        strict=True,
-        description="true: azimuths are turned from their north by declination and convergence, to grid north, or to true north "
-        "without convergence",
-    )
+    north: North = None
+    convergence: Convergence = None
+    declination: Declination = None
+    azimuth_from: AzimuthFrom = False
 
     @model_validator(mode="after")
     def _azimuth_from(self) -> Survey:

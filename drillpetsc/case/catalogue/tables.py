@@ -13,6 +13,7 @@ from typing import Any
 
 from drillpetsc.case.catalogue import formulas
 from drillpetsc.case.catalogue.sizes import inches
+from drillpetsc.case.files.named_file import bytes_of
 from drillpetsc.errors import CaseError
 
 FOLDER = Path(__file__).parent
@@ -185,9 +186,7 @@ def _table_of(file: Path) -> str:
 def read_table(path: Path, name: str) -> tuple[Row, ...]:
     """Rows of a CSV file; raises CaseError with file, line and column if a cell cannot be right."""
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise CaseError(file=path, got="a larger one", want=f"a table of at most {MAX_BYTES // 10**6} MB")
-        text = path.read_text(encoding="utf-8-sig")
+        text = bytes_of(path, MAX_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CaseError(file=path, want="a CSV text file in UTF-8") from None
     except OSError as error:

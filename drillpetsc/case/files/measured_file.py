@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import SHEETS, named_file, text_of
 from drillpetsc.case.importers.stations import MISSING, number_of, together
 from drillpetsc.case.importers.table import unit_text
-from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import BARE_NUMBERS, InSI
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import unit_of_bare_number
@@ -81,11 +80,11 @@ def read_measured(name: str) -> tuple[list[Reading], list[str]]:
     name: of the file, or `points.xlsx#Sheet2`.
     Raises CaseError for bad cells, at most ten at once.
     """
-    path, sheet = _file(name)
+    path, sheet = named_file(name, "a file of measured points that exists: CSV, xlsx or LAS")
     remarks: list[str] = []
     try:
         kind = path.suffix.casefold()
-        if kind in (".xlsx", ".xlsm"):
+        if kind in SHEETS:
             rows = _sheet_rows(path, sheet)
         elif kind == ".las":
             rows = _las_rows(path)
@@ -96,35 +95,13 @@ def read_measured(name: str) -> tuple[list[Reading], list[str]]:
     return _points(path, rows, remarks), remarks
 
 
-def _file(name: str) -> tuple[Path, str]:
-    folder = FOLDER.get()
-    book, mark, sheet = name.partition("#")
-    for text, page in ((name, ""), (book, sheet if mark else "")):
-        for path in (folder / text, Path(text)):
-            if text.strip() and os.path.isfile(path):
-                return path, page
-    hint = suggestion(name, [other.name for other in folder.glob("*.csv")] if folder.is_dir() else [])
-    raise refuse(got=name, want="a file of measured points that exists: CSV, xlsx or LAS", hint=hint)
-
-
 # ---------------------------------------------------------------------- rows of texts
 Rows = list[tuple[int, list[str]]]
 
 
 def _text_rows(path: Path) -> Rows:
     """(line number, cells) of a text table, without comments and empty lines."""
-    with path.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            file=path, line=1, got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB"
-        )
-    if b"\0" in raw:
-        raise CaseError(file=path, want="a CSV text file in UTF-8")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("cp1252", "replace")
+    text, _ = text_of(path, MAX_BYTES)
     lines = [
         (i, line)
         for i, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
@@ -158,29 +135,14 @@ def _sheet_rows(path: Path, sheet: str) -> Rows:
 
 def _las_rows(path: Path) -> Rows:
     """Header, units and rows of a LAS file; its numbers are counted from the first row of the data."""
-    from drillpetsc.case.importers.las import _text
-    from drillpetsc.case.importers.sheet import INSTALL
+    from drillpetsc.case.importers.las import cell_of, curves_of
 
-    try:
-        import lasio
-    except ImportError:
-        want = "a CSV file, unless the package lasio is installed"
-        raise CaseError(got=path.name, want=want, hint=INSTALL, file=path, line=1) from None
-    try:
-        las = lasio.read(str(path))
-        curves = [(str(c.mnemonic), str(c.unit or ""), list(c.data)) for c in las.curves]
-    except OSError:
-        raise
-    except Exception as error:  # lasio raises many kinds
-        hint = " ".join(str(error).split())[:200]
-        raise CaseError(
-            got=path.name, want="a LAS file of version 1.2 or 2.0", hint=hint, file=path, line=1
-        ) from None
+    curves = curves_of(path)
     heads = [
         f"{name} [{_LAS_UNITS.get(unit.casefold(), unit)}]" if unit else name for name, unit, _ in curves
     ]
     count = min((len(data) for _, _, data in curves), default=0)
-    return [(0, heads), *((k + 1, [_text(data[k]) for _, _, data in curves]) for k in range(count))]
+    return [(0, heads), *((k + 1, [cell_of(data[k]) for _, _, data in curves]) for k in range(count))]
 
 
 _LAS_UNITS = {"f": "ft", "m": "m", "1000 lbf": "klbf", "rev/min": "rpm"}

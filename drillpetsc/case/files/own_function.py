@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER, find_file
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.own_code import CompiledLaw, file_of
 
@@ -65,7 +65,7 @@ def load(name: str) -> Found:
     place, _, words = target.rpartition(":" if ":" in target else ".")
     if not place or not all(word.isidentifier() for word in words.split(".")):
         raise refuse("function", got=name, want=WANTED)
-    file = _find(place) if place.endswith(".py") else None
+    file = _source(place, ".py")
     if file is None and (place.endswith(".py") or not all(word.isidentifier() for word in place.split("."))):
         raise refuse(
             "function",
@@ -92,7 +92,7 @@ def load_compiled(name: str, of: str) -> Found:
     Raises the error of the key ``function``.
     """
     place, _, law = name.rpartition(":")
-    file = _find(place) if place.endswith(".cpp") else None
+    file = _source(place, ".cpp")
     if file is None or not law.isidentifier():
         raise refuse("function", got=name, want="file.cpp:law, a file beside the case file")
     exported = re.findall(r"^DP_(\w+)_LAW\(\s*(\w+)\s*,", file.read_text(encoding="utf-8"), re.MULTILINE)
@@ -108,8 +108,9 @@ def load_compiled(name: str, of: str) -> Found:
     return Found(f"{file}:{law}", CompiledLaw(file.parent, law), digest.hexdigest())
 
 
-def _find(name: str) -> Path | None:
-    return next((path.resolve() for path in (FOLDER.get() / name, Path(name)) if path.is_file()), None)
+def _source(place: str, suffix: str) -> Path | None:
+    found = find_file(place) if place.endswith(suffix) else None
+    return None if found is None else found.resolve()
 
 
 def _imported(name: str) -> ModuleType:

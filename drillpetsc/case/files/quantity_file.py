@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import csv
-import os
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.files.survey_file import FOLDER
-from drillpetsc.case.key_paths import refuse, suggestion
+from drillpetsc.case.files.named_file import named_file
+from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import InSI
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
@@ -54,7 +53,7 @@ class QuantityFile:
         The first line names the columns, in any order, with a unit in brackets; others are ignored.  `#` starts a comment
         line.  Raises CaseError with the place of what cannot be read.
         """
-        path = self._find(name)
+        path, _ = named_file(name, f"a CSV file that exists, or {self.otherwise}")
         try:
             lines = path.read_text(encoding="utf-8-sig").splitlines()
         except UnicodeDecodeError:
@@ -81,15 +80,6 @@ class QuantityFile:
                     got = cell or "an empty cell"
                     raise CaseError(at=key, got=got, want=want, file=path, line=line) from None
         return found
-
-    def _find(self, name: str) -> Path:
-        folder = FOLDER.get()
-        for path in (folder / name, Path(name)):
-            if os.path.isfile(path):
-                return path
-        looked = f"looked in {'' if str(folder) == '.' else f'{folder} and '}the working directory"
-        hint = suggestion(name, [other.name for other in folder.glob("*.csv")]) or looked
-        raise refuse(got=name, want=f"a CSV file that exists, or {self.otherwise}", hint=hint)
 
     def _places(self, path: Path, line: int, head: list[str]) -> dict[str, tuple[int, str]]:
         """Number and unit of each column, the unit empty for bare numbers."""

@@ -6,18 +6,15 @@ The file is found here; its format is read in `importers/`.
 from __future__ import annotations
 
 import os
-from contextvars import ContextVar
 from pathlib import Path
 
+from drillpetsc.case.files.named_file import SHEETS, find_file, named_file
 from drillpetsc.case.importers.stations import Rules, Stations, stations_of
 from drillpetsc.case.importers.table import table_of_text
-from drillpetsc.case.key_paths import refuse, suggestion
-
-FOLDER: ContextVar[Path] = ContextVar("FOLDER", default=Path())
-"""Base of relative file names in a case: the folder of the case file, else the working directory."""
+from drillpetsc.case.key_paths import refuse
 
 OWN_HEADS = ["md [m]", "inclination [deg]", "azimuth [deg]", "north [m]"]  # of the trajectory.csv of a run
-SHEETS, LOGS, XML = (".xlsx", ".xlsm"), (".las",), (".xml",)
+LOGS, XML = (".las",), (".xml",)
 
 
 def read_survey(name: str, rules: Rules) -> Stations:
@@ -50,23 +47,11 @@ def read_survey(name: str, rules: Rules) -> Stations:
 
 def _file(name: str) -> tuple[Path, str, bool]:
     """(file, sheet or "", whether a run wrote it), searched beside the case file, then in the working directory."""
-    folder = FOLDER.get()
-    book, mark, sheet = name.partition("#")
-    for path in (folder / name, Path(name)):
-        if name.strip() and os.path.isdir(path):  # Path.is_dir raises for a name longer than any file's
-            run = path / "trajectory.csv"
-            if not run.is_file():
-                raise refuse(got=name, want="a survey file, or a run folder that holds a trajectory.csv")
-            return run, "", True
-        if os.path.isfile(path):
-            return path, "", False
-    for path in (folder / book, Path(book)):
-        if mark and book.casefold().endswith(SHEETS) and os.path.isfile(path):
-            return path, sheet, False
-    hint = suggestion(name, [other.name for other in folder.glob("*.csv")])
-    hint = hint or f"looked in {'' if str(folder) == '.' else f'{folder} and '}the working directory"
-    raise refuse(
-        got=name,
-        want="a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}",
-        hint=hint,
-    )
+    folder = find_file(name, os.path.isdir)
+    if folder is not None:
+        run = folder / "trajectory.csv"
+        if not run.is_file():
+            raise refuse(got=name, want="a survey file, or a run folder that holds a trajectory.csv")
+        return run, "", True
+    want = "a survey file that exists, a run folder, or {md: [...], inclination: [...], azimuth: [...]}"
+    return *named_file(name, want), False

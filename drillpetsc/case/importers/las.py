@@ -10,32 +10,27 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.case.files.named_file import bytes_of
 from drillpetsc.case.importers.sheet import INSTALL
 from drillpetsc.case.importers.table import MAX_BYTES, MAX_ROWS, Table, columns_of, is_unit, unit_text
 from drillpetsc.errors import CaseError
 
 
-def table_of_las(file: Path, given: Mapping[str, str] | None = None) -> Table:
-    """The curves of a LAS file. Rows are counted from the first of the data."""
+def curves_of(file: Path) -> list[tuple[str, str, list[Any]]]:
+    """(mnemonic, unit or "", values) of the curves of a LAS file; CaseError without lasio, and for another file."""
     try:
         import lasio
     except ImportError:
         want = "a CSV file, unless the package lasio is installed"
         raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
-    with file.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
-        )
-    text = raw.decode("utf-8-sig", "replace")
+    text = bytes_of(file, MAX_BYTES).decode("utf-8-sig", "replace")
     quiet = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             las = lasio.read(io.StringIO(text, newline=None), null_policy="strict")
-            curves = [(str(c.mnemonic), str(c.unit or "").strip(), list(c.data)) for c in las.curves]
+            return [(str(c.mnemonic), str(c.unit or "").strip(), list(c.data)) for c in las.curves]
     except Exception as error:  # lasio raises many kinds for files that are none
         hint = " ".join(str(error).split())[:200]
         raise CaseError(
@@ -43,10 +38,11 @@ def table_of_las(file: Path, given: Mapping[str, str] | None = None) -> Table:
         ) from None
     finally:
         logging.disable(quiet)
-    return _table(file, curves, given)
 
 
-def _table(file: Path, curves: list[tuple[str, str, list[Any]]], given: Mapping[str, str] | None) -> Table:
+def table_of_las(file: Path, given: Mapping[str, str] | None = None) -> Table:
+    """The curves of a LAS file. Rows are counted from the first of the data."""
+    curves = curves_of(file)
     remarks: list[str] = []
     heads = [name.partition(":")[0] for name, _, _ in curves]  # lasio numbers equal names: AZI:1, AZI:2
     columns = columns_of(heads, file, 1, remarks, given)
@@ -64,11 +60,14 @@ def _table(file: Path, curves: list[tuple[str, str, list[Any]]], given: Mapping[
     count = max((len(data) for _, _, data in curves), default=0)
     if count > MAX_ROWS:
         raise CaseError(got="more", want=f"at most {MAX_ROWS} stations", file=file, line=1)
-    rows = [(k + 1, [_text(data[k]) if k < len(data) else "" for _, _, data in curves]) for k in range(count)]
+    rows = [
+        (k + 1, [cell_of(data[k]) if k < len(data) else "" for _, _, data in curves]) for k in range(count)
+    ]
     return Table(file, heads, 1, with_units, rows, "row", "", "", remarks)
 
 
-def _text(value: Any) -> str:
+def cell_of(value: Any) -> str:
+    """A value as text: numbers with all digits, empty if there is none."""
     try:
         number = float(value)
     except (TypeError, ValueError):

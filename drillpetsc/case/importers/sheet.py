@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.case.files.named_file import bytes_of
 from drillpetsc.case.importers.table import (
     MAX_BYTES,
     MAX_ROWS,
@@ -58,10 +59,7 @@ def workbook(file: Path, most: int = MAX_BYTES) -> Iterator[Any]:
     except ImportError:
         want = "a CSV file, unless the package openpyxl is installed"
         raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
-    with file.open("rb") as opened:
-        raw = opened.read(most + 1)
-    if len(raw) > most:
-        raise CaseError(got="a larger one", want=f"a file of at most {most // 10**6} MB", file=file, line=1)
+    raw = bytes_of(file, most)
     try:
         size = sum(part.file_size for part in zipfile.ZipFile(io.BytesIO(raw)).infolist())
         if size > max(MAX_UNPACKED, 4 * most):

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from drillpetsc.case.files.named_file import text_of
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
@@ -260,21 +261,8 @@ def table_of_text(file: Path, given: Mapping[str, str] | None = None) -> Table:
 
 
 def _lines(file: Path, remarks: list[str]) -> list[str]:
-    with file.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
-        )
-    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
-    try:
-        if b"\0" in raw and not wide:
-            raise ValueError
-        text = raw.decode("utf-16" if wide else "utf-8-sig")
-    except ValueError:  # UnicodeDecodeError is one
-        if b"\0" in raw:
-            raise CaseError(file=file, want="a CSV text file in UTF-8") from None
-        text = raw.decode("cp1252", "replace")
+    text, is_unicode = text_of(file, MAX_BYTES)
+    if not is_unicode:
         remarks.append("the file is not UTF-8: read as Windows-1252")
     return re.split(r"\r\n|\r|\n", text)
 

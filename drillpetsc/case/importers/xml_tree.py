@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.parsers import expat
 
+from drillpetsc.case.files.named_file import bytes_of
 from drillpetsc.case.importers.table import MAX_BYTES
 from drillpetsc.errors import CaseError
 
@@ -73,13 +74,7 @@ def first_element(file: Path) -> str:
 
 def read_xml(file: Path) -> Element:
     """The root of an XML file."""
-    with file.open("rb") as opened:
-        raw = opened.read(MAX_BYTES + 1)
-    if len(raw) > MAX_BYTES:
-        raise CaseError(
-            got="a larger one", want=f"a file of at most {MAX_BYTES // 10**6} MB", file=file, line=1
-        )
-    return xml_tree(raw, file)
+    return xml_tree(bytes_of(file, MAX_BYTES), file)
 
 
 def xml_tree(raw: bytes, file: Path) -> Element:

@@ -7,13 +7,12 @@ all keys written in SI and without references, so that the case reads back the s
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.items.string import Bit, Item, Stabilizer
 from drillpetsc.case.blocks.items.tubulars import Jointed, Tubular
 from drillpetsc.case.catalogue.tables import Catalogue
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER, find_file
 from drillpetsc.case.key_paths import refuse, suggestion
 from drillpetsc.case.pipe.completion import Completion
 from drillpetsc.case.pipe.figures import Figure, Figures
@@ -28,10 +27,10 @@ def read_catalogue(name: str | None) -> Catalogue:
     """
     if name is None:
         return Catalogue.built_in()
+    path = find_file(name, os.path.exists)
+    if path is not None:
+        return Catalogue.built_in().with_files(path)
     folder = FOLDER.get()
-    for path in (folder / name, Path(name)):
-        if name.strip() and os.path.exists(path):
-            return Catalogue.built_in().with_files(path)
     others = [p.name for p in folder.iterdir()] if folder.is_dir() else []
     raise refuse(
         "catalogue",

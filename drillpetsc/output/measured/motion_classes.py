@@ -75,9 +75,9 @@ class MotionClasses:
             if node in self._vertex:
                 out[k, :3], _, out[k, 3] = beam.section(state, self._vertex[node])
         m = len(self._bodies)
-        out[m:-1, :4] = self._probes.motion(state)
+        sample = Sample(self.model.system, t)
+        out[m:-1, :4] = self._probes.motions(sample)[0]
         if self.model.contact is not None:
-            sample = Sample(self.model.system, t)
             out[:m, 4] = self._items.loads(sample)[:m, 0]
             out[m:-1, 4] = self._probes.contact_forces(sample)[0]
         return np.asarray(total(self.comm, out))

@@ -84,21 +84,27 @@ class Probes:
         touches = self.model.contact is not None
         return tuple(q for q in declared.PROBES if touches or not q.matches("contact_0"))
 
-    def motion(self, state) -> FloatArray:
-        """(probes, 4) position [m] and spin rate [rad/s]; zero on ranks without the element.
+    def motions(self, steps: OneStep) -> FloatArray:
+        """(k, probes, 4) position [m] and spin rate [rad/s] after each of k steps; zero on ranks without the element.
 
         By the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube).
         """
-        out = np.zeros((len(self._probes), 4))
+        out = np.zeros((len(steps), len(self._probes), 4))
         if not len(self._here):
             return out
-        if self._direct is not None:
-            places, spins, weights = self._direct
-            upper, slope, lower, other = state.x.take(places) * weights
-            spin0, spin1 = state.y.take(spins)
-            out[self._here, :3] = upper + slope + lower + other
-            out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        if self._direct is None:
+            found = steps.computed(lambda at: self._motion(at.assembly), 4 * len(self._here), id(self))
+            out[:, self._here] = found.reshape(len(steps), -1, 4)
             return out
+        places, spins, weights = self._direct
+        at_ends = steps.unknowns(places).reshape(-1, *places.shape) * weights
+        out[:, self._here, :3] = at_ends[:, 0] + at_ends[:, 1] + at_ends[:, 2] + at_ends[:, 3]
+        spin0, spin1 = steps.rates(spins).reshape(-1, *spins.shape).transpose(1, 0, 2)
+        out[:, self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
+        return out
+
+    def _motion(self, state) -> FloatArray:
+        """(4 n,) the same of the n probes in elements of this rank, where the motion is not the cubic through two nodes."""
         beam = self.model.beam
         r0, v0, spin0 = beam.section(state, self._upper)
         r1, v1, spin1 = beam.section(state, self._lower)
@@ -108,23 +114,9 @@ class Probes:
         if ratio is not None and (at := ratio[self._upper]).max() >= 0:
             v0 = v0 * np.where(at >= 0, state.x[np.maximum(at, 0)], 1.0)
         a, b, c, d = self._weights
-        out[self._here, :3] = a * r0 + b * v0 + c * r1 + d * v1
-        out[self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
-        return out
-
-    def motions(self, steps: OneStep) -> FloatArray | None:
-        """(k, probes, 4) ``motion`` after each of k recorded steps; None if it can only be found step by step."""
-        out = np.zeros((len(steps), len(self._probes), 4))
-        if not len(self._here):
-            return out
-        if self._direct is None:
-            return None
-        places, spins, weights = self._direct
-        at_ends = steps.unknowns(places).reshape(-1, *places.shape) * weights
-        out[:, self._here, :3] = at_ends[:, 0] + at_ends[:, 1] + at_ends[:, 2] + at_ends[:, 3]
-        spin0, spin1 = steps.rates(spins).reshape(-1, *spins.shape).transpose(1, 0, 2)
-        out[:, self._here, 3] = (1 - self._share) * spin0 + self._share * spin1
-        return out
+        place = a * r0 + b * v0 + c * r1 + d * v1
+        spin = (1 - self._share) * spin0 + self._share * spin1
+        return np.column_stack([place, spin]).ravel()
 
     def contact_forces(self, steps: OneStep) -> FloatArray:
         """(k, probes) normal force [N] on the probes' elements, at the last evaluation of the rows of each of k steps."""

@@ -2,29 +2,18 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 
 from drillpetsc.case.blocks.ends import TopEnd as TopKeys
 from drillpetsc.fem.component import Component, FloatArray
-from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.quantity import OneStep, Quantity, Sample
+from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
 from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.in_hole import along_hole, measured_depth, measured_depths
 from drillpetsc.physics.interfaces import Drive
-from drillpetsc.physics.top.hoist import Hoist
+from drillpetsc.physics.top.hoist import Hoist, HoistLine
 from drillpetsc.time_function import Constant
-
-
-def top_reaction(system: DiscreteSystem, name: str) -> float:
-    """Reaction ``name`` at the top [N or N m], this rank's share: of a replaced row, or of a multiplier."""
-    for row in system.assembly.row_replacements:
-        if row.owned and name in row.condition.names:
-            return float(row.reaction[row.condition.names.index(name)])
-    return float(sum(component.reaction(name, system.assembly) for component in system.components))
 
 
 def moves(top: TopKeys) -> bool:
@@ -35,14 +24,17 @@ def moves(top: TopKeys) -> bool:
     return top.force is not None or not (lowering is None or lowering == Constant(0.0))
 
 
-def top_reactions(steps: OneStep, components: tuple[Component, ...], name: str) -> FloatArray | None:
-    """(k,) ``top_reaction`` after each of k recorded steps; None if it is found one by one only."""
+def top_reactions(steps: OneStep, components: tuple[Component, ...], name: str) -> FloatArray:
+    """(k,) reaction ``name`` at the top [N or N m], this rank's share, after each of k steps: of a replaced row, or of multipliers."""
     for row in steps.assembly.row_replacements:
         if row.owned and name in row.condition.names:
             return steps.numbers(row.reaction, row.condition.names.index(name))
-    if any(type(c).reaction is not Component.reaction for c in components):
-        return None
-    return np.zeros(len(steps))
+    own = [c for c in components if type(c).reaction is not Component.reaction]
+    if not own:
+        return np.zeros(len(steps))
+    return steps.computed(lambda at: sum(c.reaction(name, at.assembly) for c in own), 1, "reaction", name)[
+        :, 0
+    ]
 
 
 class TopEnd:
@@ -75,39 +67,25 @@ class TopEnd:
         """Distance [m] of the top at ``point`` (3,) along the hole, from its place in the string free of stress."""
         return along_hole(self.model, point) - along_hole(self.model, self.model.position[0])
 
-    def hook_load(self, sample: Sample) -> float:
-        """Pull on the string [N]."""
+    def hook_loads(self, steps: OneStep) -> FloatArray:
+        """(k,) pull on the string [N] after each of k steps."""
+        hoist = self._hoist
         if self.force is not None:
-            return self.force.value(sample.time) if self._is_here else 0.0
-        pull = None if self._hoist is None else self._hoist.hook_load(sample.time, sample.assembly)
-        if pull is not None:
-            return pull
-        return -top_reaction(sample.system, "top.axial_reaction")
+            return np.array([self.force.value(t) for t in steps.times]) * float(self._is_here)
+        if isinstance(hoist, HoistLine):
+            return steps.computed(lambda at: hoist.hook_load(at.time, at.assembly), 1, "hook load")[:, 0]
+        return -top_reactions(steps, self.model.components, "top.axial_reaction")
 
-    def hook_loads(self, steps: OneStep) -> FloatArray | None:
-        """(k,) ``hook_load`` after each of k recorded steps; None if it is found one by one only."""
-        if self.force is not None or self._hoist is not None:
-            return None
-        found = top_reactions(steps, self.model.components, "top.axial_reaction")
-        return None if found is None else -found
+    def hook_load_totals(self, steps: OneStep) -> FloatArray:
+        """(k,) pull on the string and weight of the block [N]."""
+        return self.hook_loads(steps) + (self.block or 0.0) * float(self._is_here)
 
-    def surface_torques(self, steps: OneStep) -> FloatArray | None:
-        """(k,) ``surface_torque`` after each of k recorded steps; None if it is found one by one only."""
-        return (
-            None
-            if self._drive is not None
-            else top_reactions(steps, self.model.components, "top.torque_reaction")
-        )
-
-    def hook_load_total(self, sample: Sample) -> float:
-        """Pull on the string and weight of the block [N]."""
-        return self.hook_load(sample) + (self.block or 0.0 if self._is_here else 0.0)
-
-    def surface_torque(self, sample: Sample) -> float:
-        """Torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""
-        torque = top_reaction(sample.system, "top.torque_reaction")
-        drive = self._drive
-        return torque if drive is None else torque + drive.torque(sample.time, sample.assembly)
+    def surface_torques(self, steps: OneStep) -> FloatArray:
+        """(k,) torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""
+        torque, drive = top_reactions(steps, self.model.components, "top.torque_reaction"), self._drive
+        if drive is None:
+            return torque
+        return torque + steps.computed(lambda at: drive.torque(at.time, at.assembly), 1, "drive")[:, 0]
 
 
 class LowerEnd:
@@ -122,28 +100,20 @@ class LowerEnd:
     def quantities(self) -> tuple[Quantity, ...]:
         return declared.LOWER_END if self.model.beam.moves else ()
 
-    def motion(self, state) -> FloatArray:
-        """(4,) position of the face [m] and spin rate [rad/s]; zero if another rank has the end."""
-        out = np.zeros(4)
-        if self.vertex is not None:
-            end, slope, out[3] = self.model.beam.section(state, self.vertex)
-            out[:3] = end + self.face * slope / sqrt(slope.dot(slope))
-        return out
-
-    def motions(self, steps: OneStep) -> FloatArray | None:
-        """(k, 4) ``motion`` after each of k recorded steps; None if it is found one by one only."""
-        beam = self.model.beam
-        if self.vertex is None:
+    def motions(self, steps: OneStep) -> FloatArray:
+        """(k, 4) position of the face [m] and spin rate [rad/s] after each of k steps; zero if another rank has the end."""
+        beam, vertex = self.model.beam, self.vertex
+        if vertex is None:
             return np.zeros((len(steps), 4))
-        if beam.formulation != "ancf":
-            return None
-        place = steps.assembly.layout.dofs
-        end, slope = (
-            steps.unknowns(place[f"string.{name}"][self.vertex]) for name in ("position", "tangent")
-        )
-        spin = steps.rates(place["string.spin"][self.vertex].item(0))
+        if beam.formulation == "ancf":
+            place = steps.assembly.layout.dofs
+            end, slope = (steps.unknowns(place[f"string.{name}"][vertex]) for name in ("position", "tangent"))
+            spin = steps.rates(place["string.spin"][vertex])
+        else:
+            found = steps.computed(lambda at: np.hstack(beam.section(at.assembly, vertex)), 7, id(self))
+            end, slope, spin = np.split(found, [3, 6], axis=1)
         length = np.sqrt(np.sum(slope * slope, axis=1))[:, None]
-        return np.column_stack([end + self.face * slope / length, spin])
+        return np.hstack([end + self.face * slope / length, spin])
 
     def depth_of(self, point: FloatArray) -> float:
         """Measured depth [m] of ``point`` (3,)."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from drillpetsc.fem.quantity import Quantity, part
+from drillpetsc.fem.quantity import Quantity
 
 TIME = Quantity(
     "time",
     "s",
-    on="scalar",
     label="Time",
     mnemonic="TIME",
     doc="Simulated time.",
@@ -19,7 +18,6 @@ TIME = Quantity(
 STEP = Quantity(
     "step",
     "s",
-    on="scalar",
     label="Time step",
     mnemonic="STEP",
     doc="Last time step before the row.",
@@ -32,7 +30,6 @@ STEP = Quantity(
 NEWTON = Quantity(
     "newton",
     "-",
-    on="scalar",
     label="Newton iterations",
     mnemonic="NEWT",
     doc="Newton iterations of the last time step before the row.",
@@ -48,12 +45,10 @@ TOP_END: tuple[Quantity, ...] = (
     Quantity(
         "hook_load",
         "N",
-        on="scalar",
         label="Hook load",
         mnemonic="HKLD",
         sign="the drive pulls the string up",
         doc="Pull of the top on the string: the reaction, or the given force.",
-        value=lambda top, sample: top.hook_load(sample),
         values=lambda top, steps: top.hook_loads(steps),
         panel=1,
         interest=3,
@@ -61,12 +56,10 @@ TOP_END: tuple[Quantity, ...] = (
     Quantity(
         "surface_torque",
         "N m",
-        on="scalar",
         label="Surface torque",
         mnemonic="STOR",
         sign="the drive turns the string clockwise (looking down)",
         doc="Torque of the drive on the string.",
-        value=lambda top, sample: top.surface_torque(sample),
         values=lambda top, steps: top.surface_torques(steps),
         panel=3,
         interest=6,
@@ -75,18 +68,16 @@ TOP_END: tuple[Quantity, ...] = (
 HOOK_LOAD_TOTAL = Quantity(
     "hook_load_total",
     "N",
-    on="scalar",
     label="Total hook load",
     mnemonic="HKLX",
     sign="the hook pulls up",
     doc="Hook load and the weight of the block.",
-    value=lambda top, sample: top.hook_load_total(sample),
+    values=lambda top, steps: top.hook_load_totals(steps),
     panel=1,
 )
 TOP_TRAVEL = Quantity(
     "top_travel",
     "m",
-    on="scalar",
     label="Travel of the top",
     mnemonic="TTRV",
     sign="down",
@@ -101,29 +92,25 @@ LOWER_END: tuple[Quantity, ...] = (
     Quantity(
         "bit_speed",
         "rad/s",
-        on="scalar",
         label="Bit speed",
         mnemonic="BRPM",
         sign="clockwise (looking down)",
         doc="Spin rate of the lower end of the string.",
         interpolate="motion",
-        value=lambda end, sample: sample.once(end.motion)[3],
-        values=lambda end, steps: part(end.motions(steps), 3),
+        values=lambda end, steps: end.motions(steps)[:, 3],
         panel=4,
         interest=1,
     ),
     Quantity(
         "bit_depth",
         "m",
-        on="scalar",
         label="Bit depth",
         mnemonic="DBTM",
         sign="down",
         doc="Measured depth of the face of the string's lower end.",
         interpolate="motion",
         mean=False,
-        value=lambda end, sample: sample.once(end.motion)[:3],
-        values=lambda end, steps: part(end.motions(steps), slice(0, 3)),
+        values=lambda end, steps: end.motions(steps)[:, :3],
         size=3,
         finish=lambda end, point, depth: (end.depth_of(point),),
         finish_rows=lambda end, points: end.depths_of(points)[:, None],
@@ -135,7 +122,6 @@ HOLE: tuple[Quantity, ...] = (
     Quantity(
         "hole_depth",
         "m",
-        on="scalar",
         label="Hole depth",
         mnemonic="DMEA",
         sign="down",
@@ -150,7 +136,6 @@ HOLE: tuple[Quantity, ...] = (
         "rop",
         "m/s",
         kind="rop",
-        on="scalar",
         label="Rate of penetration",
         mnemonic="ROP",
         sign="the hole grows",
@@ -167,7 +152,6 @@ ENERGY: tuple[Quantity, ...] = (
         "kinetic_energy",
         "J",
         kind="energy",
-        on="scalar",
         label="Kinetic energy",
         mnemonic="EKIN",
         doc="Kinetic energy of string and mud.",
@@ -181,7 +165,6 @@ ENERGY: tuple[Quantity, ...] = (
         "strain_energy",
         "J",
         kind="energy",
-        on="scalar",
         label="Strain energy",
         mnemonic="ESTR",
         doc="Energy stored in the string, in contacts, springs and compressed mud.",
@@ -195,7 +178,6 @@ ENERGY: tuple[Quantity, ...] = (
         "energy_error",
         "J",
         kind="energy",
-        on="scalar",
         label="Energy error",
         mnemonic="EERR",
         sign="the time integration created energy",
@@ -211,7 +193,6 @@ ENERGY: tuple[Quantity, ...] = (
 POWERS = Quantity(
     "powers",
     "W",
-    on="scalar",
     label="Powers",
     doc="Dissipated and supplied power.",
     value=lambda balance, sample: sample.system.local_powers(sample.time),

@@ -7,7 +7,6 @@ from drillpetsc.fem.quantity import Quantity
 PUMP_FLOW = Quantity(
     "pump_flow",
     "m3/s",
-    on="scalar",
     label="Flow rate in",
     mnemonic="MFIA",
     sign="into the bore; negative in reverse circulation",
@@ -18,7 +17,6 @@ PUMP_FLOW = Quantity(
 OUTLET_FLOW = Quantity(
     "outlet_flow",
     "m3/s",
-    on="scalar",
     label="Flow rate out",
     mnemonic="MFOA",
     sign="out of the annulus at the top",
@@ -32,7 +30,6 @@ MUD: tuple[Quantity, ...] = (
         "pump_pressure",
         "Pa",
         kind="pressure",
-        on="scalar",
         label="Pump pressure",
         mnemonic="SPP",
         sign="gauge pressure",
@@ -45,7 +42,6 @@ MUD: tuple[Quantity, ...] = (
         "bit_pressure",
         "Pa",
         kind="pressure",
-        on="scalar",
         label="Pressure under the bit",
         mnemonic="BHP",
         sign="gauge pressure",
@@ -59,7 +55,6 @@ MUD: tuple[Quantity, ...] = (
     Quantity(
         "bit_flow",
         "m3/s",
-        on="scalar",
         label="Flow rate through the bit",
         mnemonic="MFBT",
         sign="out of the string",
@@ -71,7 +66,6 @@ MUD: tuple[Quantity, ...] = (
 SIDE_FLOW = Quantity(
     "side_flow",
     "m3/s",
-    on="scalar",
     label="Flow rate above the bit",
     mnemonic="MFSD",
     sign="out of the string",
@@ -84,7 +78,6 @@ BORE_ONLY = ("pump_pressure", "pump_flow", "bit_flow")
 CUTTINGS_FLOW = Quantity(
     "cuttings_flow",
     "m3/s",
-    on="scalar",
     label="Cuttings",
     doc="Rock that the mud takes up, as volume of mud.",
     values=lambda mud, steps: mud.cuttings_flow(steps),
@@ -92,7 +85,6 @@ CUTTINGS_FLOW = Quantity(
 MUD_CONTENT = Quantity(
     "mud_content",
     "m3",
-    on="scalar",
     label="Content",
     doc="Volume at zero pressure of all mud.",
     values=lambda mud, steps: mud.content(steps),

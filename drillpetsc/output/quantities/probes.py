@@ -7,21 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.fem.quantity import FloatArray, Quantity, Sample
+from drillpetsc.fem.quantity import FloatArray, Quantity
 
 
-def _probe_position(probes: Any, sample: Sample) -> FloatArray:
-    return np.asarray(sample.once(probes.motion)[:, :3])
-
-
-def _probe_positions(probes: Any, steps: Any) -> FloatArray | None:
-    motions = probes.motions(steps)
-    return None if motions is None else motions[..., :3]
-
-
-def _probe_spins(probes: Any, steps: Any) -> FloatArray | None:
-    motions = probes.motions(steps)
-    return None if motions is None else motions[..., 3]
+def _probe_positions(probes: Any, steps: Any) -> FloatArray:
+    return np.asarray(probes.motions(steps)[..., :3])
 
 
 def _probe_offset(probes: Any, positions: FloatArray, depths: FloatArray) -> FloatArray:
@@ -39,7 +29,6 @@ PROBES: tuple[Quantity, ...] = (
         sign="towards the high side (north in a vertical hole)",
         doc="Offset of the string's centre from the hole's axis.",
         interpolate="motion",
-        value=_probe_position,
         values=_probe_positions,
         size=3,
         finish=_probe_offset,
@@ -55,7 +44,6 @@ PROBES: tuple[Quantity, ...] = (
         sign="to the right of the high side, looking down (east in a vertical hole)",
         doc="Offset of the string's centre from the hole's axis.",
         interpolate="motion",
-        value=_probe_position,
         values=_probe_positions,
         size=3,
         finish=_probe_offset,
@@ -70,8 +58,7 @@ PROBES: tuple[Quantity, ...] = (
         sign="clockwise (looking down)",
         doc="Spin rate of the string about its axis.",
         interpolate="motion",
-        value=lambda probes, sample: sample.once(probes.motion)[:, 3],
-        values=_probe_spins,
+        values=lambda probes, steps: probes.motions(steps)[..., 3],
     ),
     Quantity(
         "contact_NNN",

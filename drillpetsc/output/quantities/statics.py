@@ -65,7 +65,6 @@ STRETCH = Quantity(
     "stretch",
     "m",
     kind="length",
-    on="scalar",
     label="Stretch",
     mnemonic="STRC",
     sign="longer than free of stress",
@@ -74,7 +73,6 @@ STRETCH = Quantity(
 TWIST = Quantity(
     "twist",
     "rad",
-    on="scalar",
     label="Twist",
     mnemonic="TWST",
     sign="not negative",

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
-from drillpetsc.geometry.frames import high_side, smallest_rotation
+from drillpetsc.fem.component import ElementBlock, Field, Powers
+from drillpetsc.geometry.frames import smallest_rotation
 from drillpetsc.kernels.parameters import Parameters
-from drillpetsc.physics.end_conditions import EndPlace, Input, NodeLoad, load_rows, local_loads
+from drillpetsc.physics.end_conditions import EndPlace, Input, Loads, axes_of
 from drillpetsc.physics.hole_path import HolePath, PathPoint
 from drillpetsc.physics.interfaces import Top
 from drillpetsc.physics.quaternion.beam import (
@@ -34,12 +34,6 @@ _ROTATION_NAMES = (
     "side_moment_1",
     "side_moment_2",
 )  # about the tangent, and about the section's two axes
-
-
-def _axes_of(tangent: FloatArray) -> FloatArray:
-    """Return (3, 3) rows: the tangent and two unit vectors across it."""
-    side = high_side(tangent)
-    return np.array([tangent, side, np.cross(tangent, side)])
 
 
 class ConstrainedEnd(Top):
@@ -71,11 +65,11 @@ class ConstrainedEnd(Top):
         self.vertex, self.nodes, self.constraint = place.vertex, beam.mesh.nodes, beam.constraint
         self.prescribed_positions, self.prescribed_rotations = prescribed_positions, prescribed_rotations
         self.inputs, self._orientation = (lowering, rotation), beam.start[place.vertex]
-        self._axes = _axes_of(tangent)[3 - prescribed_positions :]
+        self._axes = axes_of(tangent)[3 - prescribed_positions :]
         self.anchor = np.append(self._axes @ position, 0.0)  # positions [m] and angle [rad] at time 0
         # without an axial position the end does not move along a path
         self._path = path if prescribed_positions == 3 else None
-        self._start_axes = _axes_of(tangent) if path is None else path.at(path.depth_of(position)).axes
+        self._start_axes = axes_of(tangent) if path is None else path.at(path.depth_of(position)).axes
         if self._path is not None:
             self.anchor = np.append(self._path.coordinates(position), 0.0)
         self._where = "top" if place.vertex == 0 else "bottom"
@@ -273,41 +267,10 @@ def _times_e3(q: FloatArray) -> FloatArray:
     return np.array([-q[3], q[2], -q[1], q[0]])
 
 
-class QuaternionLoads(Component):
-    """Forces and moments on nodes."""
+class QuaternionLoads(Loads):
+    """Forces and moments on nodes, whose section has its own axes."""
 
-    name = "loads"
+    _element = "quaternion_load", NODE_SLOTS, ()
 
-    def __init__(self, loads: tuple[NodeLoad, ...], breaks: tuple[float, ...] = ()):
-        self.loads, self._breaks = loads, breaks
-        self.conservative = not any(load.section or any(load.moment) for load in loads)
-
-    def blocks(self, part) -> tuple[ElementBlock, ...]:
-        on_rank, vertices, cells = local_loads(part, self.loads)
-        params = Parameters("quaternion_load", len(on_rank), **load_rows(on_rank), factor=1.0)
-        timed = [(i, q.factor) for i, q in enumerate(on_rank) if q.factor is not None]
-
-        now = params["factor"]
-
-        def update(t: float) -> None:
-            for i, factor in timed:
-                now[i] = factor(t)
-
-        self._block = ElementBlock(
-            "loads",
-            "quaternion_load",
-            "vertex",
-            vertices,
-            NODE_SLOTS,
-            (),
-            params.array,
-            update=update if timed else None,
-            elements=cells,
-        )
-        return (self._block,)
-
-    def breaks(self) -> tuple[float, ...]:
-        return self._breaks
-
-    def powers(self, t: float, state) -> Powers:
-        return Powers(supplied=-state.power(self._block, t))
+    def _axes(self) -> dict[str, FloatArray]:
+        return {}

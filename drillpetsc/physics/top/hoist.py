@@ -109,10 +109,6 @@ class Hoist(Component):
         """Numbers of its quantities at the time ``t`` [s], in the order of ``FIGURES``; this rank's share."""
         raise NotImplementedError
 
-    def hook_load(self, t: float, state: Any) -> float | None:
-        """Pull on the string [N], this rank's share; None if it is the reaction of a prescribed top."""
-        return None
-
     def sensed_loop(self) -> str | None:
         """Loop in charge after ``balance`` whose measurement is one of ``sensors``; None without."""
         return None
@@ -511,6 +507,7 @@ class HoistLine(Hoist):
         return declared.HOIST + (declared.AUTODRILLER if self.autodriller is not None else ())
 
     def hook_load(self, t: float, state: Any) -> float:
+        """Pull on the string [N], this rank's share."""
         if not self._here:
             return 0.0
         self._update(t)

@@ -8,7 +8,7 @@ import pytest
 
 from drillpetsc import Case
 from drillpetsc.analysis.hydraulics.surge import Trips
-from drillpetsc.case.files.survey_file import FOLDER
+from drillpetsc.case.files.named_file import FOLDER
 from drillpetsc.case.options.ranges import read_numbers
 from drillpetsc.case.quantities import Quantity
 from drillpetsc.errors import CaseError

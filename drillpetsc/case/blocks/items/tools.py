@@ -19,6 +19,21 @@ EDGE = 1e-3  # least distance of a tool's joint from the ends of its item [m]
 _STROKE = "[least, largest] travel between the stops, negative as the tool closes"
 
 
+SealArea = Annotated[
+    float,
+    Quantity("m^2", at_least=0, at_most=0.5),
+    Field(
+        description="area inside the seals, on which the pressure difference between string and annulus pushes the "
+        "parts apart (pump-open force)"
+    ),
+]
+StopStiffness = Annotated[
+    float,
+    Quantity("N/m", above=0),
+    Field(description="stiffness of the stops at the ends of the stroke"),
+]
+
+
 class TelescopingTool(ToolTube):
     """A tube of two parts that telescope: the halves are ordinary pipe of the item."""
 
@@ -55,14 +70,8 @@ class TelescopingTool(ToolTube):
 class SealedTool(TelescopingTool):
     """A telescoping tool whose seals and stops are keys of the item."""
 
-    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
-        default=0.0,
-        description="area inside the seals, on which the pressure difference between string and annulus pushes the "
-        "parts apart (pump-open force)",
-    )
-    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
-        default=1e9, description="stiffness of the stops at the ends of the stroke"
-    )
+    seal_area: SealArea = 0.0
+    stop_stiffness: StopStiffness = 1e9
 
 
 class ShockSub(SealedTool):
@@ -154,14 +163,8 @@ class JarSection(Block):
         default=None, description="load at which a mechanical jar fires"
     )
 
-    seal_area: Annotated[float, Quantity("m^2", at_least=0, at_most=0.5)] = Field(
-        default=0.0,
-        description="area inside the seals, on which the pressure difference between string and annulus pushes the "
-        "parts apart (pump-open force)",
-    )
-    stop_stiffness: Annotated[float, Quantity("N/m", above=0)] = Field(
-        default=1e9, description="stiffness of the stops at the ends of the stroke"
-    )
+    seal_area: SealArea = 0.0
+    stop_stiffness: StopStiffness = 1e9
 
     @model_validator(mode="after")
     def _latch(self) -> JarSection:
