@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,11 @@ class Sheet:
     columns: list[list[str]]
     first: int
     null: str = ""
-    remarks: list[str] = field(default_factory=list)
+
+    @property
+    def place(self) -> dict[str, Any]:
+        """File and row of the headings, for messages."""
+        return {"file": self.file, "line": self.at}
 
 
 def sheet_of(file: Path) -> Sheet:
@@ -84,13 +88,18 @@ def _text(file: Path) -> Sheet:
         if line.strip() and not line.lstrip().startswith(("#", "//", "!"))
     ]
     for place, (number, line) in enumerate(some[:TITLE_LINES]):
-        for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
-            titles = text_cells(line, mark, file, number)
-            headings = [heading_of(title) for title in titles]
+        for mark, titles, headings in possible_headings(line, file, number):
             if is_log(headings):
                 rows = [(i, text_cells(text, mark, file, i)) for i, text in some[place + 1 :]]
                 return _sheet(file, number, titles, headings, rows)
     raise not_a_log(file, some[0][0] if some else 1)
+
+
+def possible_headings(line: str, file: Path, number: int) -> Iterator[tuple[str, list[str], list[Heading]]]:
+    """(mark between cells, cells, what they say as headings) of a line, for each mark that it may have."""
+    for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
+        titles = text_cells(line, mark, file, number)
+        yield mark, titles, [heading_of(title) for title in titles]
 
 
 def text_cells(line: str, mark: str, file: Path, number: int) -> list[str]:

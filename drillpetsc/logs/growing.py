@@ -15,7 +15,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.logs.log import Log
 from drillpetsc.logs.points import FLOW_BAND, LONGEST, OPERATION_OF, RPM_BAND, Point, point_of
 from drillpetsc.logs.pulls import Pull, Pulls
-from drillpetsc.logs.quality import JUMP, LONGEST_GAP, LONGEST_GAP_ROWS, WINDOW, without_jumps
+from drillpetsc.logs.quality import JUMP, WINDOW, far_rows, without_jumps
 from drillpetsc.logs.states import Limits, States, states_of
 
 BESIDE = WINDOW + 1  # rows on each side that decide whether a depth jumps
@@ -87,7 +87,7 @@ class GrowingLog:
             log, _ = without_jumps(log)
         else:
             log = log.rows(np.isin(log.values[ROW], without_jumps(log)[0].values[ROW]))
-        far = self._gaps(log)
+        far = far_rows(log, self._usual)
         weight = self.weigh(log.column("bit_depth"))
         states = states_of(log, weight, self.block, self.limits, far)
         row = log.values[ROW]
@@ -118,12 +118,6 @@ class GrowingLog:
             )
         self._window = self._window[keep]
         return out
-
-    def _gaps(self, log: Log) -> np.ndarray:
-        index = log.values["time" if self.by_time else "bit_depth"]
-        far = np.zeros(len(index), dtype=bool)
-        far[1:] = np.diff(index) > (LONGEST_GAP_ROWS * self._usual if self.by_time else LONGEST_GAP)
-        return far
 
     def _pulled(self, row: FloatArray, word: str) -> list[tuple[Pull, float]]:
         """The pull that a row ends."""

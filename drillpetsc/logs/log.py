@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from drillpetsc.logs.files import Sheet, sheet_of
 from drillpetsc.units import to_si, wanted
 
 _NOTHING = frozenset({"", "nan", "null", "none", "n/a", "na", "-", "#n/a"})
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 _FLAGS = {"true": "1", "yes": "1", "on": "1", "false": "0", "no": "0", "off": "0"}
 STEP_BACK = 1.0  # of a depth against time, that shows that it is the bit's [m]
@@ -52,6 +54,11 @@ class Log:
         """Whether the index is time, else depth."""
         return "time" in self.values
 
+    @property
+    def index(self) -> FloatArray:
+        """(n,) times [s], or depths of the bit [m]."""
+        return self.values["time" if self.by_time else "bit_depth"]
+
     def column(self, channel: str) -> FloatArray:
         """(n,) SI; nan throughout for a channel that the log has not."""
         found = self.values.get(channel)
@@ -64,9 +71,9 @@ class Log:
 
 @dataclass
 class _Choice:
-    """Columns of a table: channel -> number; what was said on the way."""
+    """Columns of a table: channel -> (number, unit); what was said on the way."""
 
-    column: dict[str, int] = field(default_factory=dict)
+    column: dict[str, tuple[int, str]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -96,18 +103,17 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
     sheets = [sheet_of(Path(file)) for file in files]
     for other in sheets[1:]:
         if other.titles != sheets[0].titles:
-            got, want = (
-                ", ".join(other.titles)[:160],
-                f"the columns of {sheets[0].file.name}: one log, in several files",
-            )
-            raise CaseError(got=got, want=want, file=other.file, line=other.at)
-    choice, headings = chosen_columns(sheets[0], mapping or {})
+            want = f"the columns of {sheets[0].file.name}: one log, in several files"
+            raise CaseError(got=", ".join(other.titles)[:160], want=want, **other.place)
+    choice = chosen_columns(sheets[0], mapping or {})
     values: dict[str, FloatArray] = {}
     start: datetime | None = None
-    texts = {name: [q for sheet in sheets for q in sheet.columns[j]] for name, j in choice.column.items()}
+    texts = {
+        name: [q for sheet in sheets for q in sheet.columns[j]] for name, (j, _) in choice.column.items()
+    }
     begins = 0.0
     if "time" in texts:
-        values["time"], start = _times(sheets, texts, headings)
+        values["time"], start = _times(sheets, texts, choice.column["time"][1])
         if (
             start is None
         ):  # without a clock they are seconds, of which the first ones say where the log begins
@@ -115,29 +121,26 @@ def read_log(files: Sequence[str | Path], mapping: dict[str, tuple[str, str]] | 
             values["time"] = values["time"] - begins
     for name, cells in texts.items():
         if name not in ("time", "date"):
-            values[name] = column_numbers(sheets, name, cells, headings[name].unit)
+            values[name] = column_numbers(sheets, name, cells, choice.column[name][1])
+    used = [j for j, _ in choice.column.values()]
     log = Log(
         values,
-        {name: sheets[0].titles[j] for name, j in choice.column.items() if name != "date"},
+        {name: sheets[0].titles[j] for name, (j, _) in choice.column.items() if name != "date"},
         start,
         frozenset(mapping or {}),
-        tuple(t for j, t in enumerate(sheets[0].titles) if t and j not in choice.column.values()),
+        tuple(t for j, t in enumerate(sheets[0].titles) if t and j not in used),
         begins=begins,
     )
     log = _in_order(_with_depths(log, sheets[0], choice.remarks), choice)
     if not set(log.values) & set(READINGS):
-        raise CaseError(
-            file=sheets[0].file,
-            line=sheets[0].at,
-            got=", ".join(sheets[0].titles)[:200],
-            want="a column of a reading",
-        )
+        got = ", ".join(sheets[0].titles)[:200]
+        raise CaseError(got=got, want="a column of a reading", **sheets[0].place)
     return replace(log, remarks=tuple(choice.remarks), warnings=tuple(choice.warnings))
 
 
 # ---------------------------------------------------------------------- columns
-def chosen_columns(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> tuple[_Choice, dict[str, Heading]]:
-    """The column of each channel, and what its heading says."""
+def chosen_columns(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> _Choice:
+    """The column of each channel, by the mapping and by the headings."""
     out, said = _Choice(), list(sheet.headings)
     for channel, (title, unit) in mapping.items():
         same = [j for j, t in enumerate(sheet.titles) if t == title] or [
@@ -145,7 +148,7 @@ def chosen_columns(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> tuple[_
         ]
         if len(same) != 1:
             want = f"one of {', '.join(t for t in sheet.titles if t)}"[:400]
-            raise CaseError(at="--map", got=f"{channel}={title}", want=want, file=sheet.file, line=sheet.at)
+            raise CaseError(at="--map", got=f"{channel}={title}", want=want, **sheet.place)
         own = said[same[0]].unit if said[same[0]].channel == channel else ""
         said = [Heading("") if h.channel == channel else h for h in said]
         known = unit_of(unit, CHANNELS[channel].unit) if unit else own
@@ -168,10 +171,10 @@ def chosen_columns(sheet: Sheet, mapping: dict[str, tuple[str, str]]) -> tuple[_
                 f"{what}; the column is not used (--map {channel}={sheet.titles[j]}:UNIT names its unit)"
             )
         else:
-            out.column[channel] = j
+            out.column[channel] = j, said[j].unit
     if errors:
         raise together(errors)
-    return out, {channel: said[j] for channel, j in out.column.items()}
+    return out
 
 
 def _one(
@@ -190,7 +193,7 @@ def _one(
     if len(columns) > 1:
         names = ", ".join(sheet.titles[j] for j in columns)
         hint = f"choose it: --map {channel}={sheet.titles[columns[0]]}"
-        raise CaseError(at=channel, got=names, want="one column", hint=hint, file=sheet.file, line=sheet.at)
+        raise CaseError(at=channel, got=names, want="one column", hint=hint, **sheet.place)
     return columns[0]
 
 
@@ -202,29 +205,23 @@ def _checked(sheet: Sheet, j: int, heading: Heading) -> Heading:
     ):
         want = f"{wanted(channel.unit)}; or --map {heading.channel}={sheet.titles[j]}:UNIT"
         raise CaseError(
-            at=heading.channel,
-            got=f"{sheet.titles[j]}: {heading.wrong}",
-            want=want,
-            file=sheet.file,
-            line=sheet.at,
+            at=heading.channel, got=f"{sheet.titles[j]}: {heading.wrong}", want=want, **sheet.place
         )
     if heading.wrong or heading.unit or not channel.unit or heading.channel == "time":
         return heading
     if channel.assumed:
         return replace(heading, unit=channel.assumed)
     want = f"a unit: in brackets, after an underscore, or by --map {heading.channel}={sheet.titles[j]}:UNIT"
-    raise CaseError(
-        at=heading.channel, got=f"{sheet.titles[j]} without a unit", want=want, file=sheet.file, line=sheet.at
-    )
+    raise CaseError(at=heading.channel, got=f"{sheet.titles[j]} without a unit", want=want, **sheet.place)
 
 
 # ---------------------------------------------------------------------- cells
-def _place(sheets: list[Sheet], row: int) -> tuple[Path, int]:
-    """(file, line) of a row of the joined table."""
+def _place(sheets: list[Sheet], row: int) -> dict[str, Any]:
+    """File and line of a row of the joined table, for messages."""
     for sheet in sheets:
         count = len(sheet.columns[0])
         if row < count:
-            return sheet.file, sheet.first + row
+            return {"file": sheet.file, "line": sheet.first + row}
         row -= count
     raise IndexError(row)
 
@@ -243,14 +240,8 @@ def column_numbers(sheets: list[Sheet], channel: str, cells: list[str], unit: st
         except ValueError:
             pass
         if not np.isfinite(out[i]):
-            file, line = _place(sheets, int(i))
-            raise CaseError(
-                at=channel,
-                got=cells[i],
-                want=f"a number in {unit}" if unit else "a number",
-                file=file,
-                line=line,
-            )
+            want = f"a number in {unit}" if unit else "a number"
+            raise CaseError(at=channel, got=cells[i], want=want, **_place(sheets, int(i)))
     out[np.isin(out, [*MISSING, *(float(q) for q in nulls if re.fullmatch(r"[+-]?\d+(\.\d*)?", q))])] = np.nan
     if not unit:
         return out
@@ -264,35 +255,30 @@ def _without_commas(sheets: list[Sheet], channel: str, cells: list[str]) -> list
     if all(_THOUSANDS.fullmatch(q) for _, q in with_comma):
         if any("." in q for _, q in with_comma):
             return [q.replace(",", "") for q in cells]
-        file, line = _place(sheets, with_comma[0][0])
-        got = with_comma[0][1]
-        hint = f"{got} may be {got.replace(',', '')} or {got.replace(',', '.')}"
-        raise CaseError(
-            at=channel, got=got, want="numbers that show what the comma is", hint=hint, file=file, line=line
+        row, got = with_comma[0]
+        want, hint = (
+            "numbers that show what the comma is",
+            f"{got} may be {got.replace(',', '')} or {got.replace(',', '.')}",
         )
+        raise CaseError(at=channel, got=got, want=want, hint=hint, **_place(sheets, row))
     return [q.replace(",", ".") if q.count(",") == 1 and "." not in q else q for q in cells]
 
 
-def _times(
-    sheets: list[Sheet], texts: dict[str, list[str]], headings: dict[str, Heading]
-) -> tuple[FloatArray, datetime | None]:
+def _times(sheets: list[Sheet], texts: dict[str, list[str]], unit: str) -> tuple[FloatArray, datetime | None]:
     """(seconds since the first row and its time; without a clock seconds as they stand, and None)."""
     cells = texts["time"]
     if "date" in texts:
         cells = [f"{day} {clock}" for day, clock in zip(texts["date"], cells, strict=True)]
-    elif all(re.fullmatch(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?", q) for q in cells):
-        unit = headings["time"].unit
+    elif all(NUMBER.fullmatch(q) for q in cells):
         if not unit:
-            file, line = _place(sheets, 0)
-            raise CaseError(
-                at="time", got=cells[0], want="a date and time, or a unit: time [s]", file=file, line=line
-            )
+            want = "a date and time, or a unit: time [s]"
+            raise CaseError(at="time", got=cells[0], want=want, **_place(sheets, 0))
         return column_numbers(sheets, "time", cells, unit), None
     try:
         return clock_times(cells)
     except ClockError as error:
-        file, line = _place(sheets, error.row)
-        raise CaseError(at="time", got=cells[error.row], want=error.want, file=file, line=line) from None
+        place = _place(sheets, error.row)
+        raise CaseError(at="time", got=cells[error.row], want=error.want, **place) from None
 
 
 # ---------------------------------------------------------------------- depths and order
@@ -313,9 +299,7 @@ def _with_depths(log: Log, sheet: Sheet, remarks: list[str]) -> Log:
             remarks.append(f"{title}, which rises and falls, is taken as the depth of the bit")
     elif depth is not None:
         want = f"--map bit_depth={title} or --map hole_depth={title}"
-        raise CaseError(
-            at="depth", got=f"{title}, which never falls", want=want, file=sheet.file, line=sheet.at
-        )
+        raise CaseError(at="depth", got=f"{title}, which never falls", want=want, **sheet.place)
     if not log.by_time:
         known = values.get("bit_depth", values.get("hole_depth"))
         assert known is not None
@@ -326,15 +310,12 @@ def _with_depths(log: Log, sheet: Sheet, remarks: list[str]) -> Log:
 
 def _in_order(log: Log, choice: _Choice) -> Log:
     """The rows with an index; those of a log by time in its order, each time once."""
-    index = log.values["time" if log.by_time else "bit_depth"]
-    gone = np.isnan(index)
+    gone, name = np.isnan(log.index), "time" if log.by_time else "depth"
     if gone.any():
-        choice.remarks.append(
-            f"{int(gone.sum())} rows without {'time' if log.by_time else 'depth'} are left out"
-        )
+        choice.remarks.append(f"{int(gone.sum())} rows without {name} are left out")
         log = log.rows(~gone)
     if not len(log):
-        raise CaseError(at="time" if log.by_time else "depth", got="no row with a value", want="at least one")
+        raise CaseError(at=name, got="no row with a value", want="at least one")
     if not log.by_time:
         return log
     time = log.values["time"]
@@ -363,7 +344,7 @@ def between(log: Log, text: str | None) -> Log:
     """The rows from A to B of a text `A,B`: clock times, or elapsed times or depths with their units; raises CaseError."""
     if text is None:
         return log
-    index, unit = (log.values["time"], "s") if log.by_time else (log.values["bit_depth"], "m")
+    index, unit = log.index, "s" if log.by_time else "m"
     parts = [part.strip() for part in text.split(",")]
     try:
         if log.start is not None and len(parts) == 2 and ":" in text:

@@ -116,19 +116,21 @@ def held_values(log: Log) -> list[Check]:
     return out
 
 
+def far_rows(log: Log, usual: float) -> np.ndarray:
+    """(n,) mask of rows further from the row before than a log with a ``usual`` step has them."""
+    return np.append(False, np.diff(log.index) > (LONGEST_GAP_ROWS * usual if log.by_time else LONGEST_GAP))
+
+
 def gaps(log: Log) -> tuple[np.ndarray, Check]:
     """((n,) mask of rows before which a spell ends, the check)."""
-    index = log.values["time" if log.by_time else "bit_depth"]
-    step = np.diff(index)
+    step = np.diff(log.index)
     usual = float(np.median(step[step > 0])) if (step > 0).any() else 0.0
-    far = np.zeros(len(index), dtype=bool)
+    far = far_rows(log, usual)
     least = LONGEST_GAP_ROWS * usual if log.by_time else LONGEST_GAP
-    far[1:] = step > least
-    unit = "s" if log.by_time else "m"
+    channel, unit = ("time", "s") if log.by_time else ("bit_depth", "m")
     longest = float(step.max(initial=0.0))
     detail = f"longer than {least:g} {unit}; usual step {usual:g} {unit}, longest {longest:g} {unit}"
-    channel = "time" if log.by_time else "bit_depth"
-    return far, Check("gap", channel, int(far.sum()), len(index), "a spell ends there", detail)
+    return far, Check("gap", channel, int(far.sum()), len(log), "a spell ends there", detail)
 
 
 def spikes(log: Log) -> list[Check]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,12 +12,18 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
-from drillpetsc.logs.channels import READINGS, Heading, heading_of
+from drillpetsc.logs.channels import READINGS, Heading
 from drillpetsc.logs.clock import ClockError, clock_times
-from drillpetsc.logs.files import TITLE_LINES, Sheet, is_log, not_a_log, text_cells, units_below
-from drillpetsc.logs.log import Log, chosen_columns, column_numbers
-
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+from drillpetsc.logs.files import (
+    TITLE_LINES,
+    Sheet,
+    is_log,
+    not_a_log,
+    possible_headings,
+    text_cells,
+    units_below,
+)
+from drillpetsc.logs.log import NUMBER, Log, chosen_columns, column_numbers
 
 
 class LogStream:
@@ -38,7 +43,7 @@ class LogStream:
         self._head: list[str] = []
         self._sheet: Sheet | None = None
         self._mark = ""
-        self._choice: dict[str, int] = {}
+        self._columns: dict[str, tuple[int, str]] = {}  # channel -> number, unit
         self._last = -np.inf
 
     @property
@@ -87,9 +92,7 @@ class LogStream:
     # ------------------------------------------------------------------ headings
     def _look_for_headings(self, line: str) -> None:
         self._head.append(line)
-        for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
-            titles = text_cells(line, mark, self.name, self.lines)
-            headings = [heading_of(title) for title in titles]
+        for mark, titles, headings in possible_headings(line, self.name, self.lines):
             if is_log(headings) or self._mapping and {t for t, _ in self._mapping.values()} <= set(titles):
                 self._sheet = Sheet(self.name, self.lines, titles, headings, [], self.lines + 1)
                 self._mark = mark
@@ -100,37 +103,25 @@ class LogStream:
     def _choose(self) -> None:
         """Find the column of each channel."""
         assert self._sheet is not None
-        choice, self._headings = chosen_columns(self._sheet, self._mapping)
-        names = set(choice.column)
-        if "depth" in names and not names & {"bit_depth", "time"}:
-            choice.column["bit_depth"], self._headings["bit_depth"] = (
-                choice.column["depth"],
-                self._headings["depth"],
-            )
-        elif "depth" in names and "bit_depth" in names and "hole_depth" not in names:
-            choice.column["hole_depth"], self._headings["hole_depth"] = (
-                choice.column["depth"],
-                self._headings["depth"],
-            )
-        choice.column.pop("depth", None)
-        if "bit_depth" not in choice.column and "hole_depth" in names and "time" not in names:
-            choice.column["bit_depth"], self._headings["bit_depth"] = (
-                choice.column["hole_depth"],
-                self._headings["hole_depth"],
-            )
-        if "bit_depth" not in choice.column or not set(choice.column) & set(READINGS):
-            raise CaseError(
-                file=self.name, line=self._sheet.at, got=", ".join(self._sheet.titles)[:200],
-                want="columns of the bit depth and of a reading; --map bit_depth=TITLE:UNIT names one",
-            )  # fmt: skip
-        self._choice = choice.column
-        self.titles = {name: self._sheet.titles[j] for name, j in choice.column.items()}
+        choice = chosen_columns(self._sheet, self._mapping)
+        columns = self._columns = choice.column
+        depth = columns.pop("depth", None)
+        if depth is not None and not columns.keys() & {"bit_depth", "time"}:
+            columns["bit_depth"] = depth
+        elif depth is not None and "bit_depth" in columns:
+            columns.setdefault("hole_depth", depth)
+        if "bit_depth" not in columns and "hole_depth" in columns and "time" not in columns:
+            columns["bit_depth"] = columns["hole_depth"]
+        if "bit_depth" not in columns or not set(columns) & set(READINGS):
+            want = "columns of the bit depth and of a reading; --map bit_depth=TITLE:UNIT names one"
+            raise CaseError(got=", ".join(self._sheet.titles)[:200], want=want, **self._sheet.place)
+        self.titles = {name: self._sheet.titles[j] for name, (j, _) in columns.items()}
         self.remarks = (*choice.remarks, *choice.warnings)
 
     # ------------------------------------------------------------------ rows
     def _read(self, cells: list[list[str]]) -> Log | None:
         assert self._sheet is not None
-        if not self._choice:
+        if not self._columns:
             below = units_below(self._sheet.headings, cells[0])
             if below is not None:
                 self._sheet, cells = replace(self._sheet, headings=below), cells[1:]
@@ -138,7 +129,7 @@ class LogStream:
         if not cells:
             return None
         values: dict[str, FloatArray] = {}
-        for name, j in self._choice.items():
+        for name, (j, _) in self._columns.items():
             if name not in ("time", "date"):
                 values[name] = self._numbers(name, [row[j] for row in cells])
         if self.by_time:
@@ -158,7 +149,7 @@ class LogStream:
 
     def _numbers(self, name: str, cells: list[str]) -> FloatArray:
         assert self._sheet is not None
-        unit = self._headings[name].unit
+        unit = self._columns[name][1]
         try:
             return column_numbers([self._sheet], name, cells, unit)
         except (CaseError, IndexError):  # some cells are no numbers: they alone are left out
@@ -172,14 +163,14 @@ class LogStream:
 
     def _times(self, cells: list[list[str]]) -> FloatArray:
         """(n,) seconds since the first row, nan for what is not a time."""
-        texts = [row[self._choice["time"]] for row in cells]
-        if "date" in self._choice:
-            texts = [f"{row[self._choice['date']]} {text}" for row, text in zip(cells, texts, strict=True)]
-        elif self.start is None and _NUMBER.fullmatch(texts[0]):
-            if not self._headings["time"].unit:
-                raise CaseError(
-                    at="time", got=texts[0], want="a date and time, or a unit: time [s]", file=self.name
-                )
+        (j, unit), (day, _) = self._columns["time"], self._columns.get("date", (-1, ""))
+        texts = [row[j] for row in cells]
+        if "date" in self._columns:
+            texts = [f"{row[day]} {text}" for row, text in zip(cells, texts, strict=True)]
+        elif self.start is None and NUMBER.fullmatch(texts[0]):
+            if not unit:
+                want = "a date and time, or a unit: time [s]"
+                raise CaseError(at="time", got=texts[0], want=want, file=self.name)
             return self._numbers("time", texts)
         try:
             return self._since_start(texts)

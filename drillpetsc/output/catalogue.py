@@ -211,6 +211,11 @@ def outputs_by_file() -> dict[str, tuple[Quantity, ...]]:
     return {file: tuple(entry.quantity for entry in entries) for file, entries in listed_by_file().items()}
 
 
+def tables() -> list[str]:
+    """Names of the tables in a run folder."""
+    return [file for file in outputs_by_file() if file.endswith(".csv") and "/" not in file]
+
+
 def records() -> list[dict[str, str]]:
     """Every output and key of the files of a run folder, as texts, printed by ``drillpetsc schema --outputs``.
 

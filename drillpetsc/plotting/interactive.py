@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -45,49 +46,58 @@ def plotly_figure(drawing: Any) -> Any:
     for number, axes in enumerate(shown, start=1):
         _refuse_others(axes)
         end = "" if number == 1 else str(number)
-        box, frame = axes.get_position(), {"showline": True, "ticks": "outside"}
-        for letter, axis, low, high in (
-            ("x", axes.xaxis, box.x0, box.x1),
-            ("y", axes.yaxis, box.y0, box.y1),
-        ):
-            log = axis.get_scale() == "log"
-            ends = [float(v) for v in (axes.get_xlim() if letter == "x" else axes.get_ylim())]
-            figure.layout[f"{letter}axis{end}"] = {
-                **frame,
-                "domain": [max(low, 0.0), min(high, 1.0)],
-                "anchor": f"{'y' if letter == 'x' else 'x'}{end}",
-                "title": {"text": axis.get_label_text()},
-                "type": "log" if log else "linear",
-                "range": [float(np.log10(v)) for v in ends] if log else ends,
-            }
-        if axes.get_title():
-            where = {
-                "x": 0.5 * (box.x0 + box.x1),
-                "y": min(box.y1, 1.0),
-                "xanchor": "center",
-                "yanchor": "bottom",
-            }
-            figure.add_annotation(text=axes.get_title(), xref="paper", yref="paper", showarrow=False, **where)
+        _place(figure, axes, end)
         at = {"xaxis": f"x{end}", "yaxis": f"y{end}"}
-        for line in axes.lines:
-            trace = _line(line, axes, named)
-            if trace is not None:
-                figure.add_trace(go.Scatter(**trace, **at))
-        for bars in axes.containers:
-            if isinstance(bars, BarContainer):
-                figure.add_trace(go.Bar(**_bars(bars, named), **at))
+        lines = (_line(line, axes, named) for line in axes.lines)
+        figure.add_traces([go.Scatter(**trace, **at) for trace in lines if trace is not None])
+        bars = (_bars(q, named) for q in axes.containers if isinstance(q, BarContainer))
+        figure.add_traces([go.Bar(**trace, **at) for trace in bars])
     right = max((axes.get_position().x1 for axes in shown), default=1.0)
     figure.update_layout(
         barmode="overlay",
         margin={"l": 0, "r": 0, "t": 50, "b": 0},  # the axes of the picture leave space for their texts
         legend={"x": right + 0.02, "xanchor": "left"},
     )
-    for legend in (*drawing.legends, *(axes.get_legend() for axes in shown)):
-        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True) if legend else ():
-            if isinstance(handle, Line2D) and text.get_text() not in named:  # of a style, not of a curve
-                named.add(text.get_text())
-                figure.add_trace(go.Scatter(x=[None], y=[None], name=text.get_text(), **_style(handle)))
+    for text, handle in _entries([*drawing.legends, *(axes.get_legend() for axes in shown)]):
+        if text not in named:  # of a style, not of a curve
+            named.add(text)
+            figure.add_trace(go.Scatter(x=[None], y=[None], name=text, **_style(handle)))
     return figure
+
+
+def _place(figure: Any, axes: Axes, end: str) -> None:
+    """Give axes of number ``end`` their place, title, scale and range."""
+    box = axes.get_position()
+    for letter, other, axis, ends, domain in (
+        ("x", "y", axes.xaxis, axes.get_xlim(), (box.x0, box.x1)),
+        ("y", "x", axes.yaxis, axes.get_ylim(), (box.y0, box.y1)),
+    ):
+        log = axis.get_scale() == "log"
+        figure.layout[f"{letter}axis{end}"] = {
+            "showline": True,
+            "ticks": "outside",
+            "domain": [max(domain[0], 0.0), min(domain[1], 1.0)],
+            "anchor": f"{other}{end}",
+            "title": {"text": axis.get_label_text()},
+            "type": "log" if log else "linear",
+            "range": [float(np.log10(v) if log else v) for v in ends],
+        }
+    if axes.get_title():
+        where = {
+            "x": 0.5 * (box.x0 + box.x1),
+            "y": min(box.y1, 1.0),
+            "xanchor": "center",
+            "yanchor": "bottom",
+        }
+        figure.add_annotation(text=axes.get_title(), xref="paper", yref="paper", showarrow=False, **where)
+
+
+def _entries(legends: Sequence[Any]) -> Iterator[tuple[str, Line2D]]:
+    """Texts and lines of the legends, which may be None."""
+    for legend in filter(None, legends):
+        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
+            if isinstance(handle, Line2D):
+                yield text.get_text(), handle
 
 
 def plotly_script() -> str:

@@ -4,6 +4,8 @@ sensitivities over output and key.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from drillpetsc.output.files.run_folder import (
@@ -43,18 +45,22 @@ def roadmap_cube(table: Table, title: str = "") -> Columns:
     dims: dict[str, tuple[str, ...]] = {"operation": ("operation",), "bit_depth": ("bit_depth",)}
     for i, name in enumerate(FACTORS):
         arrays[name], dims[name] = np.array([first[word][i] for word in frictions]), ("friction",)
-    for name, (_, values) in columns.items():
-        if name in arrays:
-            continue
-        numeric = values.dtype.kind in "fiu"
-        arrays[name] = np.full(shape, np.nan) if numeric else np.full(shape, "", dtype=object)
-        arrays[name][at] = values
-        dims[name] = DIMENSIONS
-    described = {
-        name: attributes(columns[name][0], ROADMAP_TABLE, words=arrays[name].dtype.kind not in "fiu")
-        for name in arrays
-    }
+    for name in (q for q in columns if q not in arrays):
+        arrays[name], dims[name] = _placed(columns[name][1], shape, at), DIMENSIONS
+    described = {name: _attributes(columns[name][0], ROADMAP_TABLE, arrays[name]) for name in arrays}
     return assembled(arrays, described, dims, {"operation", "bit_depth", *FACTORS}, title)
+
+
+def _placed(values: np.ndarray, shape: Sequence[int], at: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Values (n,) of rows at their places in an array; nan or an empty text elsewhere."""
+    numeric = values.dtype.kind in "fiu"
+    out = np.full(shape, np.nan if numeric else "", dtype=float if numeric else object)
+    out[at] = values
+    return out
+
+
+def _attributes(heading: str, file: str, values: np.ndarray) -> dict[str, str]:
+    return attributes(heading, file, words=values.dtype.kind not in "fiu")
 
 
 def stability_map(table: Table, runs: Table, title: str = "") -> Columns:
@@ -73,15 +79,9 @@ def stability_map(table: Table, runs: Table, title: str = "") -> Columns:
             name = split_name(heading)[0]
             if name in axes:
                 continue
-            numeric = column.dtype.kind in "fiu"
-            grid = np.full(
-                [len(v) for v in values.values()],
-                np.nan if numeric else "",
-                dtype=float if numeric else object,
-            )
-            grid[tuple(np.searchsorted(values[a], rows[axes[a]].astype(float)) for a in axes)] = column
-            arrays[name], dims[name] = grid, tuple(axes)
-            described[name] = attributes(heading, file, words=not numeric)
+            at = tuple(np.searchsorted(values[a], rows[axes[a]].astype(float)) for a in axes)
+            arrays[name], dims[name] = _placed(column, [len(v) for v in values.values()], at), tuple(axes)
+            described[name] = _attributes(heading, file, column)
     return assembled(arrays, described, dims, set(axes), title)
 
 
@@ -112,13 +112,6 @@ def sensitivity_table(table: Table, title: str = "") -> Columns:
         (OF_BOTH, ("output", "key"), (len(outputs), len(names_of_keys)), row),
     ):
         for name in group:
-            values = columns[name][1]
-            numeric = values.dtype.kind in "fiu"
-            arrays[name] = np.full(shape, np.nan) if numeric else np.full(shape, "", dtype=object)
-            arrays[name][at] = values
-            dims[name] = own
-    described = {
-        name: attributes(columns[name][0], SENSITIVITIES_TABLE, words=arrays[name].dtype.kind not in "fiu")
-        for name in arrays
-    }
+            arrays[name], dims[name] = _placed(columns[name][1], shape, at), own
+    described = {name: _attributes(columns[name][0], SENSITIVITIES_TABLE, arrays[name]) for name in arrays}
     return assembled(arrays, described, dims, {"output", "key", *OF_OUTPUT, *OF_KEY}, title)

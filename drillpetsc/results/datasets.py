@@ -163,7 +163,7 @@ def frame(table: Table, file: str, system: System) -> Any:
         import pandas
     except ImportError as error:
         raise CaseError(at="to_frame", want=f"the package pandas: {EXTRA}", hint=str(error)) from None
-    columns = dict(in_system(heading, values, file, system) for heading, values in table.items())
+    columns = dict(in_system(heading, values, system) for heading, values in table.items())
     made = pandas.DataFrame({heading: np.array(values) for heading, values in columns.items()})
     coordinate = COORDINATES.get(file)
     index = next((heading for heading in columns if split_name(heading)[0] == coordinate), None)

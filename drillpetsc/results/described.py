@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from drillpetsc.fem.quantity import DEPTH, NAME, Quantity
 from drillpetsc.output.catalogue import all_quantities, outputs_by_file
-from drillpetsc.output.files.run_folder import HYDRAULICS_TABLES
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.unit_systems import System, display, kind_of
-from drillpetsc.units import to_si
+from drillpetsc.output.shown_units import unit_of
+from drillpetsc.unit_systems import System
 
 _DOGLEG = "deg/30m"
 
@@ -62,23 +59,13 @@ def readable_unit(unit: str) -> str:
     return re.sub(r"(?<=[A-Za-z])(\d)(?!\d)", r"^\1", unit)
 
 
-def in_system(title: str, values: np.ndarray, file: str, system: System) -> tuple[str, np.ndarray]:
+def in_system(title: str, values: np.ndarray, system: System) -> tuple[str, np.ndarray]:
     """(heading with unit, values) of a column in a system of units; no unit for words and pure numbers.
 
-    title, file: as for `attributes`; values: (n,) in the unit of the heading
+    title: heading with the unit of the file; values: (n,) in that unit.
     """
     name, unit = split_name(title)
     if values.dtype.kind not in "fiu" or unit in ("-", ""):
         return name, values
-    if system != "SI":
-        if file in HYDRAULICS_TABLES:
-            size, unit = shown_unit(name, unit, system)
-            return f"{name} [{unit}]", values / size
-        if unit == _DOGLEG:
-            values, unit = values * to_si(f"1 {_DOGLEG}", "1/m"), "1/m"
-        q = quantity_of(name, file)
-        kind = kind_of(unit, q.kind if q is not None else "")
-        if kind:
-            shown: Any = display(values, kind, system)
-            values, unit = shown
-    return f"{name} [{unit}]", values
+    size, zero, text = unit_of(title, system) if system != "SI" else (1.0, 0.0, unit)
+    return f"{name} [{text}]", (values - zero) / size

@@ -44,7 +44,7 @@ def main_figures(kind: str, summary: Mapping[str, Any], tables: Mapping[str, Tab
 
 def _cells(heading: str, value: Any, file: str, system: System) -> list[str]:
     """[label, number, unit] of a figure."""
-    title, shown = in_system(heading, np.array([float(value)]), file, system)
+    title, shown = in_system(heading, np.array([float(value)]), system)
     name, unit = split_name(title)
     q = quantity_of(name, file)
     return [q.label if q is not None else name.replace("_", " "), f"{shown[0]:.6g}", unit]
@@ -101,7 +101,7 @@ def _flows(summary: Mapping[str, Any], system: System) -> Rows:
 
 
 def _first_rows(table: Table, file: str, system: System) -> Rows:
-    columns = [in_system(heading, values, file, system) for heading, values in table.items()]
+    columns = [in_system(heading, values, system) for heading, values in table.items()]
     count = len(columns[0][1]) if columns else 0
     rows = [
         [f"{values[i]:.5g}" if values.dtype.kind == "f" else str(values[i]) for _, values in columns]

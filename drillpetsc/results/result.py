@@ -8,20 +8,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from drillpetsc.errors import CaseError
+from drillpetsc.output.catalogue import tables
 from drillpetsc.output.files.json_file import plain, read_summary
 from drillpetsc.output.files.run_folder import (
     CALIBRATION_SERIES,
     CALIBRATION_TABLE,
-    HYDRAULICS_TABLES,
     INDICES_TABLE,
-    LIMITS_TABLES,
-    MEASURED_TABLE,
-    ROADMAP_TABLE,
     SENSITIVITIES_TABLE,
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
-    UNCERTAIN_LIMITS_TABLE,
-    UNCERTAIN_SHARES_TABLE,
     UNCERTAIN_TABLE,
     RunFolder,
 )
@@ -51,31 +46,6 @@ KINDS = {
     SENSITIVITIES_TABLE: "sensitivities",
     UNCERTAIN_TABLE: "uncertain",
 }
-TABLES = (
-    "history.csv",
-    "probes.csv",
-    INDICES_TABLE,
-    "statics.csv",
-    "modes.csv",
-    "campbell.csv",
-    "critical.csv",
-    "stability_map.csv",
-    "stability_boundary.csv",
-    "stability_runs.csv",
-    "response.csv",
-    "reflection.csv",
-    *HYDRAULICS_TABLES,
-    ROADMAP_TABLE,
-    MEASURED_TABLE,
-    CALIBRATION_TABLE,
-    CALIBRATION_SERIES,
-    *LIMITS_TABLES,
-    SENSITIVITIES_TABLE,
-    UNCERTAIN_TABLE,
-    UNCERTAIN_LIMITS_TABLE,
-    UNCERTAIN_SHARES_TABLE,
-    "trajectory.csv",
-)
 
 
 class Sensors(Mapping[str, Any]):
@@ -260,7 +230,7 @@ class Result(RunResult):
         Raises CaseError if pandas is not installed.
         """
         files = self._files()
-        name = table or next((f.removesuffix(".csv") for f in (*KINDS, *TABLES) if f in files), "")
+        name = table or next((f.removesuffix(".csv") for f in (*KINDS, *files) if f in files), "")
         if f"{name}.csv" not in files:
             raise CaseError(at="table", got=name, want=f"one of {', '.join(self.tables) or 'no tables'}")
         return frame(self._table(f"{name}.csv"), f"{name}.csv", _system(units) or self._units or "SI")
@@ -387,7 +357,7 @@ class Result(RunResult):
 
     # ------------------------------------------------------------------ files
     def _files(self) -> list[str]:
-        return [file for file in TABLES if file in self._kept or (self.folder / file).is_file()]
+        return [file for file in tables() if file in self._kept or (self.folder / file).is_file()]
 
     def _table(self, file: str) -> Table:
         if file in self._kept:

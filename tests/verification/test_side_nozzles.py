@@ -14,7 +14,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, whole_string
 from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
-from drillpetsc.analysis.hydraulics.nozzles import nozzle_groups
+from drillpetsc.analysis.hydraulics.nozzles import nozzle_rows
 from drillpetsc.analysis.hydraulics.surge import Tripping
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.errors import CaseError
@@ -61,11 +61,11 @@ def test_orifices_in_parallel_without_friction(areas):
     string = [pipe(500), reamer(areas[0]), pipe(300), BIT | {"nozzle_area": areas[1]}]
     flow = FlowModel(case(string, {"rheology": THIN}), whole_string(case(string)), "pumping")
     flow.solve(0.03)
-    side, bit = nozzle_groups(flow)
-    assert side.flow / bit.flow == pytest.approx(areas[0] / areas[1], rel=1e-6)
-    assert side.flow + bit.flow == pytest.approx(0.03, rel=1e-12)
+    side, bit = nozzle_rows(flow, 0.03)
+    assert side["nozzle_flow"] / bit["nozzle_flow"] == pytest.approx(areas[0] / areas[1], rel=1e-6)
+    assert side["nozzle_flow"] + bit["nozzle_flow"] == pytest.approx(0.03, rel=1e-12)
     loss = DENSITY * 0.03**2 / (2 * COEFFICIENT**2 * sum(areas) ** 2)
-    assert [side.pressure_loss, bit.pressure_loss] == pytest.approx([loss, loss], rel=1e-6)
+    assert [side["nozzle_loss"], bit["nozzle_loss"]] == pytest.approx([loss, loss], rel=1e-6)
 
 
 def test_one_node_with_several_items():
@@ -78,7 +78,9 @@ def test_one_node_with_several_items():
         "pumping",
     )
     flow.solve(0.03)
-    assert [g.flow for g in nozzle_groups(flow)] == pytest.approx([0.03 * a / 7e-4 for a in areas], rel=1e-5)
+    assert [g["nozzle_flow"] for g in nozzle_rows(flow, 0.03)] == pytest.approx(
+        [0.03 * a / 7e-4 for a in areas], rel=1e-5
+    )
 
 
 def pipe_loss(flow: float, diameter: float, length: float, viscosity: float) -> float:
@@ -166,7 +168,7 @@ def test_two_reamers_by_hand():
         xtol=1e-16,
     )
     want = [pump - total, total - lower(total), lower(total)]
-    assert [g.flow for g in nozzle_groups(flow)] == pytest.approx(want, rel=5e-5)
+    assert [g["nozzle_flow"] for g in nozzle_rows(flow, 0.03)] == pytest.approx(want, rel=5e-5)
 
 
 def test_losses_add_up_with_compressible_mud():
@@ -266,10 +268,10 @@ def test_yield_stress_mud_at_rest_and_small_flow():
     assert bore is not None and annulus is not None
     assert bore == pytest.approx(DENSITY * GRAVITY * flow.md, abs=1.0)
     assert annulus == pytest.approx(bore, abs=1.0)
-    assert all(abs(g.flow) < 1e-12 for g in nozzle_groups(flow))
+    assert all(abs(g["nozzle_flow"]) < 1e-12 for g in nozzle_rows(flow, 0.0))
     flow.solve(1e-4)
-    side, bit = nozzle_groups(flow)
-    assert side.flow == pytest.approx(1e-4, rel=0.02) and 0 <= bit.flow < 2e-6
+    side, bit = nozzle_rows(flow, 0.03)
+    assert side["nozzle_flow"] == pytest.approx(1e-4, rel=0.02) and 0 <= bit["nozzle_flow"] < 2e-6
 
 
 @each_row(
@@ -380,7 +382,9 @@ def test_a_run_starts_from_the_steady_flow_of_hydraulics():
         assert have == pytest.approx(want, rel=1e-4)
         here = flow.pressure(name)
         assert model.system.field(f"{name}.pressure")[:, 0] == pytest.approx(here, rel=1e-3, abs=3e3)
-    assert nozzle_flow(model) == pytest.approx(sum(g.flow for g in nozzle_groups(flow)[:-1]), rel=1e-3)
+    assert nozzle_flow(model) == pytest.approx(
+        sum(g["nozzle_flow"] for g in nozzle_rows(flow, 0.03)[:-1]), rel=1e-3
+    )
 
 
 def moving(folder: Path, tops: dict, annulus: bool = True, area: float | None = 2e-4, **mud) -> dict:

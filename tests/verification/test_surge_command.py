@@ -115,7 +115,7 @@ def test_running_in_raises_and_pulling_out_lowers(pipe):
     slow, fast = ([trip.at(op, v) for op in ("trip_in", "trip_out")] for v in (0.1, 0.5))
     assert slow[0].surge_pressure > 0 > slow[1].surge_pressure
     assert fast[0].surge_pressure > slow[0].surge_pressure and fast[1].surge_pressure < slow[1].surge_pressure
-    assert slow[0].ecd["ecd_bit"] > slow[1].ecd["ecd_bit"]
+    assert slow[0].ecd_bit > slow[1].ecd_bit
 
 
 @pytest.mark.parametrize(("pipe", "flow"), [("closed", 0.0), ("pumping", 0.02)])

@@ -226,7 +226,7 @@ def _log_table(log: Log, states: States) -> tuple[list[tuple[str, str]], list[An
 
 def _spell_table(log: Log, states: States, far: np.ndarray) -> tuple[list[tuple[str, str]], list[Any]]:
     runs = spells(states.word, far)
-    index = log.values["time" if log.by_time else "bit_depth"]
+    index = log.index
     unit = "s" if log.by_time else "m"
     columns = [
         ("state", "-"),

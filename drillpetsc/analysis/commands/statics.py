@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import asdict
 from typing import Any
 
@@ -22,14 +21,12 @@ from drillpetsc.case.checks.limits import refuse_quaternion
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import StaticAnswer
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
-from drillpetsc.output import FieldWriter, RunFolder, write_summary, write_table
-from drillpetsc.output.files.tables import Column
+from drillpetsc.output import FieldWriter
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import Job, RunResult
+from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.static_table import static_table
@@ -86,9 +83,11 @@ def run_statics(
         ).as_dict()
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
-            folder.write_case(given)  # as the user has it; the summary has the operation
-            _write(model, folder, columns, values, summary, fields)
-    return RunResult(folder.path, summary, _lines(given, folder, state, summary))
+            if fields is not None:
+                FieldWriter(folder.path).write(0.0, *fields)
+            write_well_files(model, folder)
+    tables: list[FileTable] = [] if values is None else [(folder.statics.name, columns, values.tolist())]
+    return job.result(folder, summary, _lines(given, state, summary), tables)
 
 
 def question_of(
@@ -123,23 +122,7 @@ def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
     return bool(np.any(np.asarray(model.well.friction(model.mesh.node_depth)) > 0))
 
 
-def _write(
-    model: DrillingModel,
-    folder: RunFolder,
-    columns: list[Column],
-    values: FloatArray | None,
-    summary: dict[str, Any],
-    fields: tuple[FloatArray, dict[str, FloatArray]] | None,
-) -> None:
-    if values is not None:
-        write_table(folder.statics, columns, list(values.T))
-    if fields is not None:
-        FieldWriter(folder.path).write(0.0, *fields)
-    write_well_files(model, folder)
-    write_summary(folder.summary, summary)
-
-
-def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str, Any]) -> list[str]:
+def _lines(case: Case, state: StaticState, summary: dict[str, Any]) -> list[str]:
     units = case.output.units or "SI"
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
     lines += (
@@ -173,8 +156,6 @@ def _lines(case: Case, folder: RunFolder, state: StaticState, summary: dict[str,
         f", residual {shown(state.equilibrium.residual, 'force', units, 2)}" if state.path is None else ""
     )
     lines.append(f"  {stable}; {state.equilibrium.iterations} Newton iterations{residual}")
-    lines += [f"  note: {w}" for w in state.warnings]
-    lines.append(f"  results: {folder.path}   (scripts/drillpetsc plot {shlex.quote(str(folder.path))})")
     return lines
 
 

@@ -188,7 +188,7 @@ class PressureTrack:
 
     def saved(self) -> dict[str, Any]:
         """Everything that a restart needs."""
-        return {"level": self.level, "variance": self.variance}
+        return dict(vars(self))
 
     def restore(self, saved: dict[str, Any]) -> None:
         """Continue from what was saved."""

@@ -91,7 +91,7 @@ class Beam:
         return Compared(soft, self.strings.readings(mean[None], load)[0], origins)
 
     def _solved(self, load: Load, mean: FloatArray) -> tuple[Tangent, tuple[Origin, Origin] | None]:
-        names = [*dict.fromkeys(map(str, self.strings.group)), "weight_factor"]
+        names = [*self.strings.groups, "weight_factor"]
         of = dict(zip(self.strings.names, mean.tolist(), strict=True))
         at = {name: float(np.clip(of[name], LEAST, 1.0)) for name in names[:-1]} | {names[-1]: of[names[-1]]}
         soft = SoftForward(self.strings.case, [self._point(load, of)])

@@ -22,6 +22,12 @@ from drillpetsc.output.shown_units import shown_unit
 
 MOST = 600  # rows that the page draws
 FAR = 100.0  # depth between rows that no line joins [m]
+#: reading -> (title, name of the quantity by which its unit is chosen, unit); the first two have a chart
+READINGS = {
+    "hook_load": ("Hook load", "hook_load", "N"),
+    "torque": ("Surface torque", "surface_torque", "N m"),
+    "pump_pressure": ("Pump pressure", "pump_pressure", "Pa"),
+}
 
 
 def write_page(
@@ -44,18 +50,10 @@ def _data(
     case: Case, feed: str, updates: Sequence[Update], follower: Follower, alarms: Sequence[dict[str, Any]]
 ) -> dict[str, Any]:
     system = case.shown_units
-    units = {
-        name: shown_unit(name, unit, system, plot=True)
-        for name, unit in (
-            ("hook_load", "N"),
-            ("surface_torque", "N m"),
-            ("bit_depth", "m"),
-            ("pump_pressure", "Pa"),
-        )
-    }
+    units = {name: shown_unit(key, unit, system, plot=True) for name, (_, key, unit) in READINGS.items()}
+    depth = shown_unit("bit_depth", "m", system, plot=True)
     moving = [q for q in updates if q.reading.load.operation != SLIPS]
     some = moving[:: max(math.ceil(len(moving) / MOST), 1)]
-    depth = units["bit_depth"]
     loads = [q.reading.load for q in some]
     series: dict[str, list[Any]] = {
         "depth": [q.bit_depth / depth[0] for q in loads],
@@ -65,70 +63,59 @@ def _data(
         a.operation != b.operation or abs(a.bit_depth - b.bit_depth) > FAR for a, b in pairwise(loads)
     ]
     charts = []
-    for name, title, key in (
-        ("hook_load", "Hook load", "hook_load"),
-        ("torque", "Surface torque", "surface_torque"),
-    ):
-        size, unit = units[key]
+    last = moving[-1].ahead if moving else None
+    for k, name in enumerate(list(READINGS)[:2]):
+        size, unit = units[name]
         errors = [q.forecast.get(name) for q in some]
         chart: dict[str, Any] = {
-            "title": title,
+            "title": READINGS[name][0],
             "unit": unit,
             "read": [getattr(q.reading, name) / size for q in some],
         }
-        chart["low"] = [math.nan if e is None else (e.forecast - INSIDE * e.sd) / size for e in errors]
-        chart["high"] = [math.nan if e is None else (e.forecast + INSIDE * e.sd) / size for e in errors]
-        last = moving[-1].ahead if moving else None
-        k = 0 if name == "hook_load" else 1
+        for key, sign in (("low", -1), ("high", 1)):
+            chart[key] = [
+                math.nan if e is None else (e.forecast + sign * INSIDE * e.sd) / size for e in errors
+            ]
         if last is not None and (k == 0 or moving[-1].reading.load.rotation):
             middle, half = float(last.mean[k]), INSIDE * float(last.sd[k])
-            chart["ahead"] = [
-                last.bit_depth / depth[0],
-                (middle - half) / size,
-                middle / size,
-                (middle + half) / size,
-            ]
+            chart["ahead"] = [last.bit_depth / depth[0], *((middle + q * half) / size for q in (-1, 0, 1))]
         charts.append(chart)
     names = [q.name for q in follower.states]
-    groups = [str(name) for name in dict.fromkeys(follower.strings.group)]
     friction = [
         {
             "name": name.replace("_", " "),
             "mean": [float(q.belief.mean[names.index(name)]) for q in some],
             "sd": [float(q.belief.sd[names.index(name)]) for q in some],
         }
-        for name in groups
+        for name in follower.strings.groups
     ]
     return {
         "title": case.title or "case", "feed": feed, "written": datetime.now(UTC).isoformat(sep=" ", timespec="seconds"),
-        "gauges": _gauges(updates, moving, units), "series": series, "charts": charts, "friction": friction,
+        "gauges": _gauges(updates, moving, units, depth), "series": series, "charts": charts, "friction": friction,
         "depth_unit": depth[1], "alarms": list(alarms)[::-1][:30],
     }  # fmt: skip
 
 
 def _gauges(
-    updates: Sequence[Update], moving: Sequence[Update], units: dict[str, tuple[float, str]]
+    updates: Sequence[Update],
+    moving: Sequence[Update],
+    units: dict[str, tuple[float, str]],
+    depth: tuple[float, str],
 ) -> list[Any]:
     """[name, value and unit, remark] of each gauge."""
     if not updates:
         return []
-    now, out = updates[-1].reading, []
-    out.append(
-        ["Bit depth", _value(now.load.bit_depth, units["bit_depth"]), now.load.operation.replace("_", " ")]
-    )
-    for name, title, key in (
-        ("hook_load", "Hook load", "hook_load"),
-        ("torque", "Surface torque", "surface_torque"),
-        ("pump_pressure", "Pump pressure", "pump_pressure"),
-    ):
+    load = updates[-1].reading.load
+    out = [["Bit depth", _value(load.bit_depth, depth), load.operation.replace("_", " ")]]
+    for name, (title, _, _) in READINGS.items():
         latest = next((q for q in reversed(moving) if math.isfinite(getattr(q.reading, name))), None)
         if latest is None:
             continue
         error = latest.forecast.get(name)
-        remark = "no forecast yet" if error is None else f"forecast {_value(error.forecast, units[key])}"
+        remark = "no forecast yet"
         if error is not None:
-            remark += f" ({error.standard:+.1f} sd)"
-        out.append([title, _value(getattr(latest.reading, name), units[key]), remark])
+            remark = f"forecast {_value(error.forecast, units[name])} ({error.standard:+.1f} sd)"
+        out.append([title, _value(getattr(latest.reading, name), units[name]), remark])
     return out
 
 

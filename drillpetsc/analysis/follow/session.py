@@ -205,7 +205,7 @@ class _Session:
 
     def _paced(self, log: Log) -> Iterator[Log]:
         """The rows when they are due: at once without --speed; rows after --until end it."""
-        index = log.values["time" if log.by_time else "bit_depth"]
+        index = log.index
         if self.choices.until is not None and (index > self.choices.until).any():
             log = log.rows(np.cumsum(index > self.choices.until) == 0)
             self.finished = True

@@ -78,6 +78,7 @@ class Strings:
         gravity_of(case, "follow")
         self.names = [q.name for q in states]
         self.group, self.own = groups_of(case), np.array([s.friction for s in case.given_well.sections])
+        self.groups = [str(name) for name in dict.fromkeys(self.group)]
         self.sensor, self.remarks = sensor_of(case), list[str]()
         self.tangents: dict[str, Tangent] = {}
         self._depth = np.nan
@@ -115,7 +116,7 @@ class Strings:
 
         of: state -> (s,) values.  Half of the sigma points differ only in what is added to the string afterwards.
         """
-        groups = [str(name) for name in dict.fromkeys(self.group)]
+        groups = self.groups
         bit = np.full(len(of["weight_factor"]), load.torque_on_bit if load.rotation else 0.0)
         if load.rotation and np.isnan(load.torque_on_bit):
             bit = load.wob * np.maximum(of["bit_torque"], 0.0)

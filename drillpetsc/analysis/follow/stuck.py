@@ -94,7 +94,7 @@ class StuckPoints:
     def _friction(self) -> tuple[list[str], FloatArray, FloatArray]:
         """Groups of the hole, their friction factors as estimated, and the covariance of them."""
         follower, own = self.follower, [q.name for q in self.follower.states]
-        names = [str(q) for q in dict.fromkeys(groups_of(follower.case))]
+        names = follower.strings.groups
         which = [own.index(name) for name in names]
         return names, follower.belief.mean[which], follower.belief.covariance[np.ix_(which, which)]
 

@@ -30,6 +30,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model, build_we
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.measured.in_hole import equivalent_density
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow
 from drillpetsc.time_function import Constant, PiecewiseLinear
 
 Pipe = Literal["closed", "open", "pumping"]
@@ -107,12 +108,13 @@ def string_at(case: Case, depth: float) -> PlacedString:
 
     Raises CaseError where the string cannot be made so long, or the hole is not so deep.
     """
+    units = case.shown_units
+
+    def wrong(want: str) -> CaseError:
+        return CaseError(at="--bit-depth", got=said(depth, "length", units), want=want)
+
     if case.well is not None and depth > case.well.survey.md[-1] + 1e-6:
-        raise CaseError(
-            at="--bit-depth",
-            got=said(depth, "length", case.output.units or case.units),
-            want=f"at most {said(case.well.survey.md[-1], 'length', case.output.units or case.units)}, the end of the hole",
-        )
+        raise wrong(f"at most {said(case.well.survey.md[-1], 'length', units)}, the end of the hole")
     items: list[Item] = []
     number: list[int] = []
     left = depth
@@ -122,24 +124,15 @@ def string_at(case: Case, depth: float) -> PlacedString:
         if isinstance(item, Flexible) and (i == 0 or item.length > left):
             item = with_length(item, left, item.length - left)
         elif item.length > left + SHORTEST_PIECE:
-            want = f"a depth at which the top of the string is not inside a rigid item ({item.name})"
-            raise CaseError(
-                at="--bit-depth", got=said(depth, "length", case.output.units or case.units), want=want
-            )
+            raise wrong(f"a depth at which the top of the string is not inside a rigid item ({item.name})")
         items.insert(0, item)
         number.insert(0, i)
         left -= item.length
     if left >= SHORTEST_PIECE:
-        want = f"at most {said(case.string_length, 'length', case.output.units or case.units)}, the length of the string: its topmost item is no pipe"
-        raise CaseError(
-            at="--bit-depth", got=said(depth, "length", case.output.units or case.units), want=want
-        )
+        length = said(case.string_length, "length", units)
+        raise wrong(f"at most {length}, the length of the string: its topmost item is no pipe")
     if not any(isinstance(item, Flexible) for item in items):
-        raise CaseError(
-            at="--bit-depth",
-            got=said(depth, "length", case.output.units or case.units),
-            want="a depth at which a pipe is in the hole",
-        )
+        raise wrong("a depth at which a pipe is in the hole")
     return PlacedString(tuple(items), tuple(number), 0.0)
 
 
@@ -341,14 +334,18 @@ class FlowModel:
         """Vertical depth of the flow line below the rotary table [m]."""
         return self.case.given_fluid.flow_line
 
+    def channel(self, name: str) -> ChannelFlow | None:
+        """The flow in ``bore`` or ``annulus``; None where there is none."""
+        return self.fluid.bore if name == "bore" else self.fluid.annulus
+
     def pressure(self, channel: str) -> FloatArray | None:
         """(n+1,) gauge pressures at the nodes [Pa] of ``bore`` or ``annulus``; None where there is none."""
-        component = self.fluid.bore if channel == "bore" else self.fluid.annulus
+        component = self.channel(channel)
         return None if component is None else np.array(component.pressures(self.system))
 
     def flow_rate(self, channel: str) -> FloatArray | None:
         """(n,) flow rates at zero pressure [m3/s] in the elements, towards the bit; None where there is none."""
-        component = self.fluid.bore if channel == "bore" else self.fluid.annulus
+        component = self.channel(channel)
         return None if component is None else np.array(component.flows(self.system))
 
     def bottom_pressure(self) -> float:

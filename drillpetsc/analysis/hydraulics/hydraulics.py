@@ -19,7 +19,7 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     whole_string,
 )
 from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, loss_rows
-from drillpetsc.analysis.hydraulics.nozzles import NozzleGroup, bit_flow, nozzle_groups
+from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_rows
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
     OpenHole,
@@ -71,7 +71,7 @@ class FlowResult:
     flow_rate: [m3/s]; summary: of summary.json, None where absent; rows: of hydraulics.csv.
     profile: columns of pressure_profile.csv, nan where absent.
     limited_by: limit of the window that is passed, `none`, or `-` without a window.
-    nozzles: groups of nozzles, where there are any above the bit.
+    nozzles: rows of nozzles.csv, where there are any above the bit.
     """
 
     flow_rate: float
@@ -80,7 +80,7 @@ class FlowResult:
     profile: dict[str, FloatArray]
     limited_by: str
     warnings: list[str]
-    nozzles: list[NozzleGroup] = field(default_factory=list)
+    nozzles: list[dict[str, Any]] = field(default_factory=list)
 
 
 def default_flow(case: Case, notes: list[str]) -> float:
@@ -176,7 +176,7 @@ class Hydraulics:
         limited = NOT_CHECKED if self.window is None else self.window.limited_by(flow)
         rows = loss_rows(flow)
         groups, summary = (
-            nozzle_groups(flow),
+            nozzle_rows(flow, rate),
             flow_figures(flow, rate, rows, self.shoe, self.end, self.window),
         )
         warnings = doubts_at(Pumped(case, summary, self.units, flow, blend_excess(flow), limited))
@@ -348,26 +348,6 @@ def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
 
 
-def nozzle_rows(case: Case, result: FlowResult) -> list[dict[str, Any]]:
-    """Rows of nozzles.csv at one flow rate: values by name, SI; nan where a number does not exist."""
-    return [
-        {
-            "pump_flow": result.flow_rate,
-            "item": case.string[group.item].name,
-            "md": group.md,
-            "nozzle_area": group.area,
-            "nozzle_flow": group.flow,
-            "nozzle_share": group.flow / result.flow_rate if result.flow_rate else np.nan,
-            "nozzle_jet_velocity": group.jet_velocity,
-            "nozzle_loss": group.pressure_loss,
-            "nozzle_power": group.power,
-            "nozzle_power_per_area": group.power_per_area,
-            "nozzle_impact_force": group.impact_force,
-        }
-        for group in result.nozzles
-    ]
-
-
 def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iterator[FileTable]:
     """The files of all flow rates."""
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
@@ -381,7 +361,7 @@ def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iter
     ]
     yield LOSS_TABLE, COLUMNS["loss_rows"], rows
     if results[0].nozzles:
-        yield NOZZLE_TABLE, COLUMNS["nozzles"], [row for r in results for row in nozzle_rows(case, r)]
+        yield NOZZLE_TABLE, COLUMNS["nozzles"], [row for r in results for row in r.nozzles]
     profiles = ({**r.profile, "pump_flow": np.full(len(r.profile["md"]), r.flow_rate)} for r in results)
     yield (
         PROFILE_TABLE,
@@ -417,7 +397,12 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> H
         window=window_table(case.window),
         outlet_pressure=case.given_fluid.outlet_pressure.value(0.0),
         flows=[
-            {**r.summary, **_nozzles(case, r), "limited_by": r.limited_by, "warnings": r.warnings}
+            {
+                **r.summary,
+                **({"nozzles": plain(r.nozzles)} if r.nozzles else {}),
+                "limited_by": r.limited_by,
+                "warnings": r.warnings,
+            }
             for r in results
         ],
         rheology=rheology_fits.figures(case.given_fluid.rheology) or None,
@@ -427,14 +412,7 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> H
     )
 
 
-def _nozzles(case: Case, result: FlowResult) -> dict[str, Any]:
-    """The rows of nozzles.csv under the key `nozzles`, with None for numbers that do not exist; nothing without side nozzles."""
-    if not result.nozzles:
-        return {}
-    return {"nozzles": plain(nozzle_rows(case, result))}
-
-
-def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list[str]:
+def _nozzle_lines(results: list[FlowResult], system: System) -> list[str]:
     """A line for each group of nozzles and flow rate; nothing without nozzles above the bit."""
     if not results[0].nozzles:
         return []
@@ -444,7 +422,7 @@ def _nozzle_lines(case: Case, results: list[FlowResult], system: System) -> list
         + ", ".join(f"{q.label.lower()} [{unit}]" if unit else q.label.lower() for q, _, unit in shown)
     ]
     for result in results:
-        for row in nozzle_rows(case, result):
+        for row in result.nozzles:
             cells = "".join(
                 f"{'-' if np.isnan(row[q.name]) else format(row[q.name] / size, '.5g'):>11}"
                 for q, size, _ in shown
@@ -476,7 +454,7 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
             )
     return (
         lines
-        + _nozzle_lines(case, results, summary["units"])
+        + _nozzle_lines(results, summary["units"])
         + _mud_lines(case, summary["units"])
         + _warnings_by_flow(results, summary["units"])
     )

@@ -11,7 +11,7 @@ import numpy as np
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel
-from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_groups, nozzle_loss
+from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_loss, nozzle_rows
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.kernels.parameters import constant
@@ -149,11 +149,7 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
     volume_flow = q * f.density / density
     friction = np.divide(heat, volume_flow, out=np.zeros(len(q)), where=np.abs(q) > 0)
     bore = channel.name == "bore"
-    if bore:
-        open_above, gap_above = channel.parameter("area_above"), channel.parameter("diameter_above")
-    else:
-        open_above = channel.parameter("hole_above") - channel.parameter("outer_above")
-        gap_above = channel.parameter("gap_above")
+    _, gap_above, open_above = _cross_sections(channel, above=True)
     speed_above, above = np.zeros(len(q)), np.zeros(len(q))
     rigid = mesh.rigid_above > 0
     if rigid.any():
@@ -169,9 +165,7 @@ def element_losses(flow: FlowModel, channel: ChannelFlow, law: Rheology) -> Elem
         weight = density * (axis @ f.gravity) * np.sum(drop * axis, axis=1)
     squared = q**2 * f.density**2 / density
     head, tool = squared * channel.parameter("step"), np.sign(q) * squared * channel.parameter("loss")
-    friction = (
-        friction - tool
-    )  # what the channel's own row takes; a table of the flow rate is a row of its own
+    friction = friction - tool  # the channel's own row takes it; a table of the flow rate is a row of its own
     if bore and flow.fluid.losses is not None:
         tool = tool + flow.fluid.losses.losses(flow.system.assembly)
     return ElementLosses(friction, above, head, weight, tool, speed, speed_above, density)
@@ -182,95 +176,72 @@ def _section_name(section: Section) -> str:
     return f"{section.kind.replace('_', ' ')} to {section.to:g} m"
 
 
-def _cross_sections(component: ChannelFlow, slot: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Outer and inner diameter [m] and open area [m2] of the elements of a channel, (n,) each; slot: an annulus."""
-    if not slot:
-        outer = component.parameter("diameter")
-        return outer, np.zeros(len(outer)), component.parameter("area")
-    area = component.parameter("hole")
-    outer = np.sqrt(4 / np.pi * area)
-    # the gap is the diameter by which the friction law goes
-    return outer, outer - component.parameter("gap"), area - component.parameter("outer")
+def _cross_sections(component: ChannelFlow, above: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Outer diameter and gap [m] and open area [m2] of a channel, (n,) each; above: of the rigid items above its elements.
+
+    The gap is the diameter by which the friction law goes: that of the bore, the clearance of the annulus.
+    """
+    tail = "_above" if above else ""
+    if component.name == "bore":
+        outer = component.parameter("diameter" + tail)
+        return outer, outer, component.parameter("area" + tail)
+    hole = component.parameter("hole" + tail)
+    return (
+        np.sqrt(4 / np.pi * hole),
+        component.parameter("gap" + tail),
+        hole - component.parameter("outer" + tail),
+    )
 
 
 def channel_rows(flow: FlowModel, name: str) -> list[Loss]:
-    """Rows of ``bore`` or ``annulus``: one for each string item in each hole section, from the top down."""
-    component = flow.fluid.bore if name == "bore" else flow.fluid.annulus
+    """Rows of ``bore`` or ``annulus``, from the top down: one for each string item in each hole section, and one for each
+    row of rigid items."""
+    component = flow.channel(name)
     if component is None:
         return []
     mesh, slot = flow.mesh, name == "annulus"
     law = build_rheology(flow.case, annulus=slot)
     e = element_losses(flow, component, law)
     sections = flow.case.well.sections if flow.case.well is not None else ()
-    upper, lower = mesh.upper + flow.string.top, mesh.lower + flow.string.top
+    start, lower = mesh.upper + flow.string.top, mesh.lower + flow.string.top
     which = np.minimum(
-        np.searchsorted([s.to for s in sections], 0.5 * (upper + lower)), max(len(sections) - 1, 0)
+        np.searchsorted([s.to for s in sections], 0.5 * (start + lower)), max(len(sections) - 1, 0)
     )
     item = np.array([flow.string.number[k] for k in mesh.item])
-    outer, inner, open_area = _cross_sections(component, slot)
     sign = -1.0 if slot else 1.0
-    rate = sign * component.flows(flow.system)
+
+    def both(above: np.ndarray, element: np.ndarray) -> np.ndarray:
+        """(2n,) values of the rigid items above each element, and of the element."""
+        return np.stack([above, element], axis=1).ravel()
+
+    outer, gap, area = map(both, _cross_sections(component, above=True), _cross_sections(component))
+    length, upper = both(mesh.rigid_above, mesh.length), both(start - mesh.rigid_above, start)
+    lower, speed = both(start, lower), sign * both(e.speed_above, e.speed)
+    loss, density = sign * both(e.above, e.friction - e.above), np.repeat(e.density, 2)
+    rate, which = np.repeat(sign * component.flows(flow.system), 2), np.repeat(which, 2)
+    piece = both(-1 - np.arange(len(item)), item)  # a row of rigid items has a number of its own
+    there = np.flatnonzero(both(mesh.rigid_above, np.ones(len(item))) > 0)
+    new = (np.diff(piece[there]) != 0) | (np.diff(which[there]) != 0)
     rows: list[Loss] = []
-
-    def add(group: np.ndarray) -> None:
-        length = mesh.length[group]
-        mean = length / length.sum()
-        d, b = float(outer[group] @ mean), float(inner[group] @ mean)
-        w, rho = sign * float(e.speed[group] @ mean), float(e.density[group] @ mean)
-        loss = sign * float((e.friction[group] - e.above[group]).sum())
+    for group in np.split(there, np.flatnonzero(new) + 1):
+        first, mean = group[0], length[group] / length[group].sum()
+        names = [b.name for b in mesh.bodies if b.node == first // 2]
+        od, clear, open_area = (float(q[group] @ mean) for q in (outer, gap, area))
         row = Loss(
             name,
-            flow.case.string[item[group[0]]].name,
-            _section_name(sections[which[group[0]]]) if slot and sections else "-",
-            float(upper[group[0]]),
+            ", ".join(names) if piece[first] < 0 else flow.case.string[piece[first]].name,
+            _section_name(sections[which[first]]) if slot and sections else "-",
+            float(upper[first]),
             float(lower[group[-1]]),
-            d,
-            b,
-            w,
-            volume=float(open_area[group] @ length),
+            od,
+            od - clear,
+            float(speed[group] @ mean),
+            volume=float(area[group] @ length[group]),
             flow=float(rate[group] @ mean),
-            pressure_loss=loss,
+            pressure_loss=float(loss[group].sum()),
         )
-        rows.append(_with_friction(row, law, slot, rho, float(length.sum()), float(open_area[group] @ mean)))
-
-    def add_rigid(k: int) -> None:
-        """The rigid items above the element ``k``, as one piece."""
-        names = [b.name for b in mesh.bodies if b.node == k]
-        if slot:
-            around = float(component.parameter("hole_above")[k])
-            d = float(np.sqrt(4 / np.pi * around))
-            b = d - float(component.parameter("gap_above")[k])
-            open_above = around - float(component.parameter("outer_above")[k])
-        else:
-            d, b = float(component.parameter("diameter_above")[k]), 0.0
-            open_above = float(component.parameter("area_above")[k])
-        w, length = sign * float(e.speed_above[k]), float(mesh.rigid_above[k])
-        loss = sign * float(e.above[k])
-        row = Loss(
-            name,
-            ", ".join(names),
-            _section_name(sections[which[k]]) if slot and sections else "-",
-            float(upper[k]) - length,
-            float(upper[k]),
-            d,
-            b,
-            w,
-            volume=open_above * length,
-            flow=float(rate[k]),
-            pressure_loss=loss,
-        )
-        rows.append(_with_friction(row, law, slot, float(e.density[k]), length, open_above))
-
-    start = 0
-    for k in range(len(item) + 1):
-        new = k == len(item) or (
-            k > 0 and (item[k] != item[k - 1] or which[k] != which[k - 1] or mesh.rigid_above[k] > 0)
-        )
-        if new and k > start:
-            add(np.arange(start, k))
-            start = k
-        if k < len(item) and mesh.rigid_above[k] > 0:
-            add_rigid(k)
+        total = float(length[group].sum())
+        rows.append(_with_friction(row, law, slot, float(density[group] @ mean), total, open_area))
     return rows
 
 
@@ -347,26 +318,15 @@ def loss_rows(flow: FlowModel) -> list[Loss]:
     rows, line = channel_rows(flow, "bore") + tool_rows(flow), surface_line_loss(flow)
     if line:
         rows.insert(0, Loss("surface line", "-", "-", pressure_loss=line))
-    for group in nozzle_groups(flow):
-        if group.item == len(flow.case.string) - 1:
-            continue
-        name = flow.case.string[group.item].name
-        speed, lost = group.jet_velocity, group.pressure_loss
-        rows.append(Loss("nozzles", name, "-", group.md, group.md, velocity=speed, pressure_loss=lost))
+    at_bit = flow.fluid.bit is not None and flow.fluid.bit.has_link
+    for row in nozzle_rows(flow, 0.0)[: -1 if at_bit else None]:
+        md, speed, lost = row["md"], row["nozzle_jet_velocity"], row["nozzle_loss"]
+        rows.append(Loss("nozzles", row["item"], "-", md, md, velocity=speed, pressure_loss=lost))
     if bit and flow.fluid.bit is not None:
-        rate = bit_flow(flow)
-        depth = flow.string.depth
-        rows.append(
-            Loss(
-                "nozzles",
-                flow.case.string[-1].name,
-                "-",
-                depth,
-                depth,
-                velocity=trade.jet_velocity(rate, flow.fluid.bit.end.nozzle or flow.fluid.bit.end.bore),
-                pressure_loss=bit,
-            )
-        )
+        end, md = flow.fluid.bit.end, flow.string.depth
+        speed = trade.jet_velocity(bit_flow(flow), end.nozzle or end.bore)
+        name = flow.case.string[-1].name
+        rows.append(Loss("nozzles", name, "-", md, md, velocity=speed, pressure_loss=bit))
     rows += channel_rows(flow, "annulus")
     if choke:
         rows.append(Loss("choke", "-", "-", pressure_loss=choke))
@@ -414,14 +374,6 @@ def balance(flow: FlowModel) -> dict[str, float]:
     out["bit_loss"], out["choke_loss"] = nozzle_loss(flow), choke_loss(flow)
     assert flow.case.fluid is not None
     out["outlet"] = flow.case.fluid.outlet_pressure.value(0.0)
-    return out
-
-
-def volumes(flow: FlowModel) -> dict[str, float]:
-    """Volumes [m3] of bore and annulus with the string in the hole, at zero pressure."""
-    out = {"bore_volume": 0.0, "annulus_volume": 0.0}
-    for name in ("bore", "annulus"):
-        out[f"{name}_volume"] = float(sum(row.volume for row in channel_rows(flow, name)))
     return out
 
 

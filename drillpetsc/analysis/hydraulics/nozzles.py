@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,43 +34,10 @@ def nozzle_loss(flow: FlowModel) -> float:
     return lost / through * np.exp(mean / flow.fluid.constants.bulk_modulus)
 
 
-@dataclass(frozen=True)
-class NozzleGroup:
-    """Nozzles of one item, SI: a row of nozzles.csv.
+def nozzle_rows(flow: FlowModel, pump_flow: float) -> list[dict[str, Any]]:
+    """Rows of nozzles.csv by name, SI: items above the bit, from the top down, and the bit; nothing where only the bit has nozzles.
 
-    item: number of the string item; md: measured depth [m]; area: of the nozzles [m2].
-    flow: flow rate out of the string at zero pressure [m3/s]; pressure_loss: [Pa]; density: of the mud at zero pressure [kg/m3].
-    power_per_area: power over the area of rock that the item cuts [W/m2]; nan for an item that does not cut.
-    """
-
-    item: int
-    md: float
-    area: float
-    flow: float
-    pressure_loss: float
-    density: float
-    power_per_area: float = np.nan
-
-    @property
-    def jet_velocity(self) -> float:
-        """Mean speed of the jets [m/s]."""
-        return trade.jet_velocity(self.flow, self.area)
-
-    @property
-    def power(self) -> float:
-        """Loss times flow rate [W]."""
-        return trade.hydraulic_power(self.pressure_loss, self.flow)
-
-    @property
-    def impact_force(self) -> float:
-        """Density times flow rate times speed of the jets [N]."""
-        return trade.impact_force(self.flow, self.density, self.area)
-
-
-def nozzle_groups(flow: FlowModel) -> list[NozzleGroup]:
-    """Nozzles of items above the bit, from the top down, and those of the bit; nothing where only the bit has nozzles.
-
-    The nozzles of several items at one node have the same loss, so the flow goes by their areas.
+    The nozzles of several items at one node have the same loss, so the flow goes by their areas.  pump_flow: [m3/s].
     """
     side = flow.fluid.side
     if side is None:
@@ -79,7 +46,7 @@ def nozzle_groups(flow: FlowModel) -> list[NozzleGroup]:
     inside, outside = flow.pressure("bore"), flow.pressure("annulus")
     assert inside is not None
     results = side.element_results(flow.system.assembly)
-    out: list[NozzleGroup] = []
+    found: list[tuple[int, float, float, float, float]] = []
     for k, link in zip(side.local_links(), results, strict=True):
         node, rate = side.links[k].node, float(link[SIDE_RESULTS["flow"]])
         beside = flow.bottom_pressure() if outside is None else float(outside[node])
@@ -87,18 +54,18 @@ def nozzle_groups(flow: FlowModel) -> list[NozzleGroup]:
         lost = float(link[SIDE_RESULTS["lost"]]) / rate * np.exp(middle / modulus) if rate else 0.0
         for number, area in side.links[k].items:
             share = rate * area / side.links[k].area
-            out.append(
-                _group(flow, flow.string.number[number], float(flow.md[node]), area, share, float(lost))
-            )
+            found.append((flow.string.number[number], float(flow.md[node]), area, share, float(lost)))
     bit = flow.fluid.bit
     if bit is not None and bit.has_link:
         area, last = bit.end.nozzle or bit.end.bore, len(flow.case.string) - 1
-        out.append(_group(flow, last, flow.string.depth, area, bit_flow(flow), nozzle_loss(flow)))
-    return out
+        found.append((last, flow.string.depth, area, bit_flow(flow), nozzle_loss(flow)))
+    return [_row(flow, pump_flow, *group) for group in found]
 
 
-def _group(flow: FlowModel, number: int, md: float, area: float, rate: float, loss: float) -> NozzleGroup:
-    """The nozzles of the string item ``number``: depth [m], area [m2], flow rate [m3/s] and loss [Pa]."""
+def _row(
+    flow: FlowModel, pump_flow: float, number: int, md: float, area: float, rate: float, loss: float
+) -> dict[str, Any]:
+    """The row of the string item ``number``: depth [m], area [m2], flow rate [m3/s] and loss [Pa]; nan for a number that is not there."""
     item, cut = flow.case.string[number], np.nan
     if isinstance(item, Bit):
         cut = 0.25 * np.pi * item.od**2
@@ -106,4 +73,16 @@ def _group(flow: FlowModel, number: int, md: float, area: float, rate: float, lo
         pilot = item.pilot or flow.case.string[-1].od or 0.0
         cut = 0.25 * np.pi * (item.od**2 - pilot**2)
     power = trade.hydraulic_power(loss, rate)
-    return NozzleGroup(number, md, area, rate, loss, flow.fluid.constants.density, power / cut)
+    return {
+        "pump_flow": pump_flow,
+        "item": item.name,
+        "md": md,
+        "nozzle_area": area,
+        "nozzle_flow": rate,
+        "nozzle_share": rate / pump_flow if pump_flow else np.nan,
+        "nozzle_jet_velocity": trade.jet_velocity(rate, area),
+        "nozzle_loss": loss,
+        "nozzle_power": power,
+        "nozzle_power_per_area": power / cut,
+        "nozzle_impact_force": trade.impact_force(rate, flow.fluid.constants.density, area),
+    }

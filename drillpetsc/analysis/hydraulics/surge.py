@@ -23,7 +23,7 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     string_at,
     whole_string,
 )
-from drillpetsc.analysis.hydraulics.hydraulics import Numbers, default_flow, densities, window_table
+from drillpetsc.analysis.hydraulics.hydraulics import default_flow, densities, window_table
 from drillpetsc.analysis.hydraulics.losses import blend_excess
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow
 from drillpetsc.analysis.hydraulics.open_hole import (
@@ -69,21 +69,19 @@ class SurgeRow:
     pipe: str
     bit_depth: float
     trip_speed: float
-    bit_pressure: float
-    ecd: Numbers
-    surge_pressure: float
     pump_flow: float
-    bit_flow: float
-    outlet_flow: float
-    limited_by: str
-    warnings: tuple[str, ...]
+    limited_by: str = FAILED
+    warnings: tuple[str, ...] = ()
+    bit_pressure: float = np.nan
+    ecd_bit: float | None = None
+    ecd_shoe: float | None = None
+    ecd_td: float | None = None
+    surge_pressure: float = np.nan
+    bit_flow: float = np.nan
+    outlet_flow: float = np.nan
     side_flow: float = np.nan
     dynamic_surge_pressure: float = np.nan
     dynamic_surge_time: float = np.nan
-
-    def value(self, name: str) -> Any:
-        """The value of a column."""
-        return self.ecd[name] if name.startswith("ecd_") else getattr(self, name)
 
 
 class Tripping:
@@ -114,38 +112,30 @@ class Tripping:
             error.what = f"{what}, {self.pipe} pipe, bit at MD {self.flow.string.depth:g} m: {error.what}"
             raise
 
+    def row(self, operation: str, speed: float) -> SurgeRow:
+        """The row of a trip at a speed [m/s] before it is solved: without a steady flow."""
+        return SurgeRow(operation, self.pipe, self.flow.string.depth, speed, self.pump)
+
     def at(self, operation: str, speed: float) -> SurgeRow:
         """Solve for a trip at a speed [m/s].
 
         operation: trip_in or trip_out.
         """
-        flow = self.flow
-        self._solve(f"{operation}, {speed:g} m/s", self.pump, OPERATIONS[operation] * speed)
-        annulus = flow.fluid.annulus
+        flow, velocity = self.flow, OPERATIONS[operation] * speed
+        self._solve(f"{operation}, {speed:g} m/s", self.pump, velocity)
+        annulus, side, state = flow.fluid.annulus, flow.fluid.side, flow.system.assembly
         assert annulus is not None
-        state = flow.system.assembly
-        side = flow.fluid.side
-        return SurgeRow(
-            operation,
-            self.pipe,
-            flow.string.depth,
-            speed,
-            flow.bottom_pressure(),
-            densities(flow, self.shoe, self.end),
-            flow.bottom_pressure() - self.at_rest,
-            self.pump,
-            bit_flow(flow),
-            float(annulus.outflow(state) or 0.0),
-            self._limited(),
-            tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, OPERATIONS[operation] * speed)))),
-            np.nan if side is None else side.outflow(state),
+        return replace(
+            self.row(operation, speed),
+            limited_by=self._limited(),
+            warnings=tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, velocity)))),
+            bit_pressure=flow.bottom_pressure(),
+            surge_pressure=flow.bottom_pressure() - self.at_rest,
+            bit_flow=bit_flow(flow),
+            outlet_flow=float(annulus.outflow(state) or 0.0),
+            side_flow=np.nan if side is None else side.outflow(state),
+            **densities(flow, self.shoe, self.end),  # type: ignore[arg-type]
         )
-
-    def failed(self, operation: str, speed: float, error: SolveError) -> SurgeRow:
-        """The row of a speed [m/s] without a steady flow."""
-        ecd: Numbers = {"ecd_bit": None, "ecd_shoe": None, "ecd_td": None}
-        nothing = (np.nan, ecd, np.nan, self.pump, np.nan, np.nan)
-        return SurgeRow(operation, self.pipe, self.flow.string.depth, speed, *nothing, FAILED, (error.what,))
 
     def fastest(self, operation: str) -> tuple[float, str]:
         """Find the largest speed [m/s] within the window, by bisection, and the limit that a larger one passes.
@@ -221,7 +211,9 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     quantities = (*COLUMNS["surge"], *side, *(COLUMNS["dynamic_surge"] if plan.dynamic else ()))
     fastest: list[dict[str, Any]] = []
     with options_of(case):
-        whole = _string_from_rig(case)
+        whole = whole_string(case)
+        if whole.top > SHORTEST_PIECE:  # a trip moves the string from the rig
+            whole = string_at(case, whole.depth)
         rows, by_area = _trips(case, plan, whole, hole, flow, job.comm.rank)
         if hole is not None:
             for string in _trip_depths(case, plan, whole):
@@ -235,17 +227,14 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
             window=window_table(window),
             window_from=None if window is None else ("--window" if plan.window is not None else "case"),
             surge=[
-                {q.name: row.value(q.name) for q in quantities} | {"warnings": list(row.warnings)}
-                for row in rows
+                {q.name: vars(row)[q.name] for q in quantities} | {"warnings": row.warnings} for row in rows
             ],
             max_trip_speed=fastest,
             open_pipe_by_area=by_area,
             notes=notes,
         )
     summary: dict[str, Any] = plain(found.as_dict())
-    tables: list[FileTable] = [
-        (SURGE_TABLE, quantities, [[row.value(q.name) for q in quantities] for row in rows])
-    ]
+    tables: list[FileTable] = [(SURGE_TABLE, quantities, map(vars, rows))]
     tables += [(TRIP_SPEED_TABLE, COLUMNS["max_trip_speed"], fastest)] if fastest else []
     return job.result(folder, summary, _lines(case, rows, summary), tables)
 
@@ -295,20 +284,12 @@ def _check(case: Case, plan: Trips) -> None:
         raise CaseError(at="--pipe", got=solid[0], want="closed: the string has no bore")
 
 
-def _string_from_rig(case: Case) -> PlacedString:
-    """The whole string, lengthened to the rig where its top lies in the hole: a trip moves it from there."""
-    whole = whole_string(case)
-    if whole.top <= SHORTEST_PIECE:
-        return whole
-    return string_at(case, whole.depth)
-
-
 def _row(trip: Tripping, operation: str, speed: float) -> SurgeRow:
     """The row of one speed; one without a steady flow is marked, and the others go on."""
     try:
         return trip.at(operation, speed)
     except SolveError as error:
-        return trip.failed(operation, speed, error)
+        return replace(trip.row(operation, speed), warnings=(error.what,))
 
 
 def _with_start(case: Case, trip: Tripping, row: SurgeRow) -> SurgeRow:
@@ -395,7 +376,7 @@ def _lines(case: Case, rows: list[SurgeRow], summary: dict[str, Any]) -> list[st
         f"  {'':<19}" + "".join(f"{text:>12}" for text in (depth, speed, pressure, density)),
     ]
     for row in rows:
-        ecd = row.ecd["ecd_bit"]
+        ecd = row.ecd_bit
         lines.append(
             f"  {row.operation:<10}{row.pipe:<9}{row.bit_depth / d:>12.6g}{row.trip_speed / v:>12.4g}"
             f"{row.surge_pressure / p:>12.5g}{'-' if ecd is None else format(ecd / e, '.5g'):>12}  {lengths_shown(row.limited_by, system)}"

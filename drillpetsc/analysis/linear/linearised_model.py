@@ -17,6 +17,7 @@ from drillpetsc.case.blocks.items.steering import PushSteering, RotarySteerable
 from drillpetsc.case.blocks.items.string import Item
 from drillpetsc.case.case import Case
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.parallel import total
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.solvers.linear.linearization import Linearised, linearise
 
@@ -80,11 +81,7 @@ def _fed_back(model: DrillingModel, q: Linearised | None) -> list[sparse.csr_mat
     if hoist is None or kind is None:
         return None
     comm, asm, sensor = model.system.comm, model.system.assembly, hoist.sensors[kind]
-
-    def total(value: float) -> float:
-        return value if comm.size == 1 else float(comm.tompi4py().allreduce(value))
-
-    d = StateDifferences(model, lambda: np.array([total(sensor(0.0, asm))]))
+    d = StateDifferences(model, lambda: np.array([total(comm, sensor(0.0, asm))]))
     ends: np.ndarray = np.zeros(0, dtype=int)
     if q is not None:
         ends = np.flatnonzero((q.node < MEASURED_AT) | (q.node >= model.mesh.nodes - MEASURED_AT))
@@ -109,8 +106,7 @@ def _closed_face(model: DrillingModel) -> FloatArray:
     bit = None if model.fluid is None else model.fluid.bit
     if bit is None:
         return np.zeros(3)
-    own, system = bit.closed_face(model.system.assembly), model.system
-    return own if system.comm.size == 1 else np.asarray(system.comm.tompi4py().allreduce(own))
+    return np.asarray(total(model.system.comm, bit.closed_face(model.system.assembly)))
 
 
 def mean_over_turn(case: Case) -> Case:

@@ -26,22 +26,11 @@ SURGE_TABLE = "surge.csv"  # pressures of tripping
 TRIP_SPEED_TABLE = "max_trip_speed.csv"  # largest speeds of tripping
 READINGS_TABLE = "dial_readings.csv"  # viscometer readings of the mud
 FITS_TABLE = "rheology_fits.csv"  # flow curves fitted to them
-HYDRAULICS_TABLES = (
-    LOSS_TABLE,
-    NOZZLE_TABLE,
-    PROFILE_TABLE,
-    FLOW_CURVE_TABLE,
-    SURGE_TABLE,
-    TRIP_SPEED_TABLE,
-    READINGS_TABLE,
-    FITS_TABLE,
-)
 ROADMAP_TABLE = "roadmap.csv"  # hook load and torque by bit depth, operation and friction
 ROADMAP_FILE = "roadmap.json"  # assumptions of the rows of a roadmap
 CALIBRATION_TABLE = "calibration.csv"  # measured points beside the soft string with the fitted factors
 CALIBRATION_SERIES = "calibration_series.csv"  # a log in time beside the run with the fitted numbers
 MEASURED_TABLE = "measured.csv"  # measured points beside what the roadmap's case gives at each of them
-TORQUE_DRAG_FILES = (ROADMAP_TABLE, ROADMAP_FILE, CALIBRATION_TABLE, CALIBRATION_SERIES, MEASURED_TABLE)
 SENSITIVITIES_TABLE = "sensitivities.csv"  # derivatives of outputs by numbers of the case
 SENSITIVITIES_HISTORY = "sensitivities_history.csv"  # columns of a run and their derivatives, over time
 UNCERTAIN_TABLE = "uncertain.csv"  # quantiles of outputs over samples of uncertain numbers
@@ -62,18 +51,8 @@ CRITICAL_MAP_TABLE = "critical_map.csv"  # critical speeds by stiffness of the w
 STABILITY_TABLE = "stability_map.csv"  # largest growth by rotary speed and weight on bit
 BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
 STABILITY_RUNS_TABLE = "stability_runs.csv"  # what runs in time did, by rotary speed and weight on bit
-SPEED_TABLES = (
-    RESPONSE_TABLE,
-    CAMPBELL_TABLE,
-    CRITICAL_TABLE,
-    CRITICAL_MAP_TABLE,
-    STABILITY_TABLE,
-    BOUNDARY_TABLE,
-    STABILITY_RUNS_TABLE,
-)
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # loads of the wall on each item
-LIMITS_TABLES = (LIMITS_TABLE, CONTACTS_TABLE)
 SWEEP_PICTURES = (
     "trajectory.png",
     "inclination.png",
@@ -249,12 +228,10 @@ class RunFolder:
 
     def clear(self) -> None:
         """Remove the files of the contract, and nothing else in the folder."""
+        from drillpetsc.output.catalogue import tables
+
         self.tidy()
         for file in (
-            self.history,
-            self.probes,
-            self.statics,
-            self.trajectory,
             self.string_series,
             self.well,
             self.summary,
@@ -263,16 +240,8 @@ class RunFolder:
             self.resolved_case,
             self.report,
             *(
-                self.path / table
-                for table in (
-                    *HYDRAULICS_TABLES,
-                    *TORQUE_DRAG_FILES,
-                    *(FOLLOW_TABLE, FOLLOW_STATE, FOLLOW_PAGE),
-                    *LIMITS_TABLES,
-                    REFLECTION_TABLE,
-                    INDICES_TABLE,
-                    *SPEED_TABLES,
-                )
+                self.path / name
+                for name in (*tables(), ROADMAP_FILE, FOLLOW_TABLE, FOLLOW_STATE, FOLLOW_PAGE)
             ),
         ):
             file.unlink(missing_ok=True)

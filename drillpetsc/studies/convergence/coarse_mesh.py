@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from petsc4py import PETSc
 
 from drillpetsc.case import Case
 from drillpetsc.model.mesh import coarsened
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.job import RunResult
 from drillpetsc.studies.convergence.error_norms import NUMERICS, FloatArray, errors_of, extent, moves
 
 COARSENING = 2.0  # element length of the coarse-mesh run over the run's element length
@@ -23,7 +25,7 @@ MEANING = (
 
 
 def add_mesh_error(
-    case: Case, folder: Path, summary: dict[str, Any], name: str, comm: Any = None, progress: str = "silent"
+    case: Case, folder: Path, summary: dict[str, Any], name: str, progress: str = "silent"
 ) -> dict[str, Any]:
     """Run the case of a finished run on a coarse mesh, and add the differences to its summary.json
     (collective).
@@ -35,25 +37,34 @@ def add_mesh_error(
 
     Returns the summary with `error_estimate.mesh`.
     """
+    coarse = second_run(coarsened(case, COARSENING), folder, FOLDER, name, progress)
+    mesh = {"meaning": MEANING, "elements": coarse.summary["elements"], "columns": {}}
+    if PETSc.COMM_WORLD.rank == 0:
+        mesh["columns"] = differences(*(read_table(RunFolder(f).history) for f in (folder, coarse.folder)))
+    return with_estimate(folder, summary, {"mesh": mesh})
+
+
+def second_run(
+    case: Case, folder: Path, inner: str, name: str, progress: str, watch_motion: bool = False
+) -> RunResult:
+    """Run a case again, in the folder ``inner`` of the run in ``folder`` (collective).  name: of the case."""
     from drillpetsc.analysis.motion.transient import run
 
-    coarse = run(
-        coarsened(case, COARSENING),
-        folder / FOLDER,
-        overwrite=True,
-        name=f"{name}-{FOLDER}",
-        comm=comm,
-        progress=progress,
+    out = folder / inner
+    return run(
+        case, out, overwrite=True, name=f"{name}-{inner}", progress=progress, watch_motion=watch_motion
     )
-    mesh = {"meaning": MEANING, "elements": coarse.summary["elements"], "columns": {}}
-    if comm is None or comm.rank == 0:
-        mesh["columns"] = differences(
-            read_table(RunFolder(folder).history), read_table(RunFolder(coarse.folder).history)
-        )
-        whole = read_summary(RunFolder(folder).summary)
-        whole["error_estimate"] = {**(whole.get("error_estimate") or {}), "mesh": mesh}
-        write_summary(RunFolder(folder).summary, whole)
-    return {**summary, "error_estimate": {**(summary.get("error_estimate") or {}), "mesh": mesh}}
+
+
+def with_estimate(
+    folder: Path, summary: dict[str, Any], found: dict[str, Any], **added: Any
+) -> dict[str, Any]:
+    """The summary of the run in ``folder`` with more entries of `error_estimate`, and other keys; its file, too."""
+    added["error_estimate"] = {**(summary.get("error_estimate") or {}), **found}
+    if PETSc.COMM_WORLD.rank == 0:
+        file = RunFolder(folder).summary
+        write_summary(file, read_summary(file) | added)
+    return {**summary, **added}
 
 
 def differences(

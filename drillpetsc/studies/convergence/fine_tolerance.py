@@ -13,12 +13,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.case import Case
-from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
+from drillpetsc.output import RunFolder, read_table
 from drillpetsc.output.balances.time_error import SMALL_RANGE, smallest_range
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.measured.motion_classes import changed_classes
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
-from drillpetsc.studies.convergence.coarse_mesh import differences
+from drillpetsc.studies.convergence.coarse_mesh import differences, second_run, with_estimate
 from drillpetsc.studies.convergence.error_norms import FloatArray, extent
 from drillpetsc.unit_systems import System, shown
 
@@ -32,7 +32,7 @@ MEANING = (
 
 
 def add_tolerance_check(
-    case: Case, folder: Path, summary: dict[str, Any], name: str, comm: Any = None, progress: str = "silent"
+    case: Case, folder: Path, summary: dict[str, Any], name: str, progress: str = "silent"
 ) -> dict[str, Any]:
     """Run the case of a finished run at a tenth of its tolerance, and add the comparison to its summary.json
     (collective).
@@ -44,33 +44,17 @@ def add_tolerance_check(
 
     Returns the summary with `error_estimate.tolerance` and its warnings.
     """
-    from drillpetsc.analysis.motion.transient import run
-
     with scaled_tolerance(summary["petsc_options"], 1 / REFINEMENT) as words:
-        fine = run(
-            case,
-            folder / FOLDER,
-            overwrite=True,
-            name=f"{name}-{FOLDER}",
-            comm=comm,
-            progress=progress,
-            watch_motion=True,
-        )
+        fine = second_run(case, folder, FOLDER, name, progress, watch_motion=True)
     check: dict[str, Any] = {"meaning": MEANING, "options": words, "steps": fine.summary["steps"]}
     check |= {"columns": {}, "changed": changed_classes(summary["motion"], fine.summary["motion"])}
-    world = comm or PETSc.COMM_WORLD
-    if world.rank == 0:
+    if PETSc.COMM_WORLD.rank == 0:
         tables = (read_table(RunFolder(f).history) for f in (folder, fine.folder))
         check["columns"] = compared(*tables)
-    check = world.tompi4py().bcast(check)
+    check = PETSc.COMM_WORLD.tompi4py().bcast(check)
     check["warnings"] = _warnings(check, case.shown_units)
-    added = {
-        "error_estimate": {**(summary.get("error_estimate") or {}), "tolerance": check},
-        "warnings": [*summary["warnings"], *check["warnings"]],
-    }
-    if world.rank == 0:
-        write_summary(RunFolder(folder).summary, read_summary(RunFolder(folder).summary) | added)
-    return {**summary, **added}
+    warnings = [*summary["warnings"], *check["warnings"]]
+    return with_estimate(folder, summary, {"tolerance": check}, warnings=warnings)
 
 
 def compared(

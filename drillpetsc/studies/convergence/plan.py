@@ -5,7 +5,7 @@ Steps lie around the mean step of a run of the unchanged case (the pilot), toler
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -280,9 +280,15 @@ def plan_of(vary: str, base: Base, values: Sequence[str] = ()) -> list[Point]:
     return _several_curves(vary, base, values)
 
 
+def integrator_of(options: Mapping[str, Any]) -> str:
+    """Name of the integrator that options choose: bdf with its order, or a -ts_type."""
+    kind = str(options.get("ts_type", "bdf"))
+    return f"bdf{options.get('ts_bdf_order', 2)}" if kind == "bdf" else kind
+
+
 def _one_curve(vary: str, base: Base, values: Sequence[float]) -> list[Point]:
     own = base.own_options
-    name = f"bdf{own.get('ts_bdf_order', 2)}" if own.get("ts_type", "bdf") == "bdf" else str(own["ts_type"])
+    name = integrator_of(own)
     if vary == "time-step":
         petsc: Options = {k: str(v) for k, v in own.items() if k in ("ts_type", "ts_bdf_order")}
         return fixed_points(f"{name}-fixed", base, values or default_steps(base), petsc)

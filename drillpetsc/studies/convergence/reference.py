@@ -21,6 +21,7 @@ from drillpetsc.studies.convergence.plan import (
     Point,
     case_of,
     finest_tolerance,
+    integrator_of,
     mesh_changes,
 )
 from drillpetsc.studies.convergence.runs import Measured, Runner, measure, outputs_of
@@ -188,7 +189,7 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
             continue
         used = (
             " (also an integrator of the curves)"
-            if any(_integrator(p, runs.base) == name for p in points)
+            if any(integrator_of({**runs.base.own_options, **p.petsc}) == name for p in points)
             else ""
         )
         own = distance(loose.values, tight.values)
@@ -206,15 +207,6 @@ def _integrated(runs: StudyRuns, points: Sequence[Point], candidates: Sequence[s
         if best is None or max(own.values()) < max(best.errors.values()):
             best = found
     return best
-
-
-def _integrator(point: Point, base: Base) -> str:
-    options = {**base.own_options, **point.petsc}
-    return (
-        f"bdf{options.get('ts_bdf_order', 2)}"
-        if options.get("ts_type", "bdf") == "bdf"
-        else str(options["ts_type"])
-    )
 
 
 def distance(a: dict[str, FloatArray], b: dict[str, FloatArray]) -> dict[str, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.output import write_table
+from drillpetsc.output import write_rows, write_summary
 from drillpetsc.output.catalogue import find
-from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.studies.convergence.error_norms import (
     NORMS,
@@ -243,12 +241,5 @@ def write_results(folder: Path, rows: Sequence[Row], content: Mapping[str, Any])
 
     errors = [key for key in (rows[0] if rows else {}) if key.startswith("error_")]
     columns = [*COLUMNS, *((key, "-") for key in errors), ("message", "-")]
-    values = [[_cell(row[name]) for row in rows] for name, _ in columns]
-    files = [write_table(folder / "study.csv", columns, values)]
-    data = plain(content)
-    files.append(replace_text(folder / "study.json", json.dumps(data, indent=1, ensure_ascii=False) + "\n"))
-    return files + draw_study(json.loads(files[-1].read_text(encoding="utf-8")), folder)
-
-
-def _cell(value: Any) -> Any:
-    return math.nan if value is None else value
+    files = [write_rows(folder / "study.csv", columns, rows), write_summary(folder / "study.json", content)]
+    return files + draw_study(plain(content), folder)

@@ -36,7 +36,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
-from drillpetsc.parallel import first_rank_gives
+from drillpetsc.parallel import first_rank_gives, total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
@@ -288,10 +288,7 @@ def orbit_rate(model: DrillingModel) -> float:
     """
     motor = model.part(MudMotor)
     assert motor is not None
-    rate = motor.orbit_speed(0.0, model.system.assembly)
-    if model.system.comm.size > 1:
-        rate = float(model.system.comm.tompi4py().allreduce(rate))
-    return rate if rate else float("nan")
+    return float(total(model.system.comm, motor.orbit_speed(0.0, model.system.assembly))) or float("nan")
 
 
 def _unpaired(here: SpeedModes, there: SpeedModes, pairing: Pairing) -> bool:

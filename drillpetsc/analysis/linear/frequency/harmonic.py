@@ -19,6 +19,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.bending import end_forces
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.parallel import joined, largest, total
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -51,17 +52,38 @@ def turning_load(balanced: DrillingModel, asymmetric: DrillingModel) -> np.ndarr
     )
     for component in asymmetric.components:
         component.update_reference_frames()
-    spin = layout.dofs["string.spin"][:, 0]
+    found = _turned(asymmetric, layout.dofs["string.spin"][:, 0], 1.0, TURNING)
+    return _whole(
+        asymmetric, found[0] - 1j * found[1]
+    )  # R = a cos(Omega t) + b sin(Omega t) = Re((a - i b) exp(i Omega t))
+
+
+def _turned(
+    model: DrillingModel, spin: np.ndarray, per_turn: float, blocks: tuple[str, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Parts of the cosine and of the sine of an angle in this rank's rows of ``blocks``.
+
+    spin: unknowns; the angle goes round ``per_turn`` times while they turn once.
+    """
+    asm, rows = model.system.assembly, []
     start = asm.x[spin].copy()
-    rows = []
     for angle in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
-        asm.x[spin] = start + angle
-        local = asm.partial_residual(0.0, lambda block: block.name in TURNING).copy()
-        rows.append(system.sum_local(local)[layout.local_of_owned])
-    # R = a cos(Omega t) + b sin(Omega t) = Re((a - i b) exp(i Omega t))
-    amplitude = 0.5 * (rows[0] - rows[2]) - 0.5j * (rows[1] - rows[3])
-    pieces = [amplitude] if system.comm.size == 1 else system.comm.tompi4py().gather(amplitude)
-    return None if pieces is None else np.concatenate(pieces)
+        asm.x[spin] = start + angle / per_turn
+        rows.append(_rows(model, blocks))
+    asm.x[spin] = start
+    return 0.5 * (rows[0] - rows[2]), 0.5 * (rows[1] - rows[3])
+
+
+def _rows(model: DrillingModel, blocks: tuple[str, ...]) -> np.ndarray:
+    """This rank's rows of some blocks."""
+    local = model.system.assembly.partial_residual(0.0, lambda block: block.name in blocks).copy()
+    return model.system.sum_local(local)[model.system.layout.local_of_owned]
+
+
+def _whole(model: DrillingModel, owned: np.ndarray) -> np.ndarray | None:
+    """Amplitudes (n,) of all ranks on rank 0, None elsewhere; collective."""
+    parts = joined(model.system.comm.tompi4py(), np.column_stack([owned.real, owned.imag]))
+    return None if parts is None else parts[:, 0] + 1j * parts[:, 1]
 
 
 def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
@@ -72,24 +94,13 @@ def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
     """
     motor, system = model.part(MudMotor), model.system
     assert motor is not None
-    asm, layout = system.assembly, system.layout
-    speed = motor.orbit_speed(0.0, asm)
-    if system.comm.size > 1:
-        speed = float(system.comm.tompi4py().allreduce(speed))
-    below = layout.dofs["string.spin"][system.chain.vertices == motor.cell + 1, 0]
-    below = below[below >= 0]
-    start, rows = asm.x[below].copy(), []
+    speed = float(total(system.comm, motor.orbit_speed(0.0, system.assembly)))
+    below = system.layout.dofs["string.spin"][system.chain.vertices == motor.cell + 1, 0]
     motor.balance_orbit(False)
-    for angle in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
-        asm.x[below] = start - angle / motor.rotor.lobes
-        local = asm.partial_residual(0.0, lambda block: block.name == "mud_motor").copy()
-        rows.append(system.sum_local(local)[layout.local_of_owned])
-    asm.x[below] = start
+    found = _turned(model, below[below >= 0], -motor.rotor.lobes, ("mud_motor",))
     motor.balance_orbit()
     # R = a cos(theta) + b sin(theta), theta = speed t
-    amplitude = 0.5 * (rows[0] - rows[2]) - 0.5j * np.sign(speed) * (rows[1] - rows[3])
-    pieces = [amplitude] if system.comm.size == 1 else system.comm.tompi4py().gather(amplitude)
-    return (None if pieces is None else np.concatenate(pieces)), abs(speed)
+    return _whole(model, found[0] - 1j * np.sign(speed) * found[1]), abs(speed)
 
 
 def rock_load(model: DrillingModel, amplitude: float, omega: float) -> np.ndarray | None:
@@ -107,13 +118,10 @@ def rock_load(model: DrillingModel, amplitude: float, omega: float) -> np.ndarra
         both = []
         for sign in (1.0, -1.0):
             values[dofs] += sign * step * along[: len(dofs)]
-            local = asm.partial_residual(0.0, lambda block: block.name in ROCK).copy()
-            both.append(system.sum_local(local)[layout.local_of_owned])
+            both.append(_rows(model, ROCK))
             values[dofs] -= sign * step * along[: len(dofs)]
         parts.append((both[0] - both[1]) / (2 * step))
-    load = -amplitude * (parts[0] + 1j * omega * parts[1])
-    pieces = [load] if system.comm.size == 1 else system.comm.tompi4py().gather(load)
-    return None if pieces is None else np.concatenate(pieces)
+    return _whole(model, -amplitude * (parts[0] + 1j * omega * parts[1]))
 
 
 @dataclass(frozen=True)
@@ -243,9 +251,7 @@ def section_forces(
     x, y, a = asm.x.copy(), asm.y.copy(), asm.a.copy()
     s, local = 1j * omega, u[numbers]
     size = float(np.max(np.abs(local) / model.system.scale[: len(local)], initial=1e-300))
-    comm = model.system.comm
-    if comm.size > 1:
-        size = max(comm.tompi4py().allgather(size))
+    size = largest(model.system.comm, size)
     by_v, by_w = spin_derivatives(asm)
     rate = s * local
     spin, tangent = asm.spin_at[:, 0], asm.spin_at[:, 1:2] + np.arange(3)

@@ -40,7 +40,7 @@ from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summaries.linear import ResponseSummary
-from drillpetsc.parallel import first_rank_gives
+from drillpetsc.parallel import first_rank_gives, total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.unit_systems import display_unit, shown
@@ -456,10 +456,7 @@ def _weight_on_bit(model: DrillingModel) -> float | None:
     """Weight on bit [N] in the state; None where no bit stands on bottom; collective."""
     if model.bit is None:
         return None
-    weight = model.bit.weight_and_torque(model.system.assembly)[0]
-    comm = model.system.comm
-    total = weight if comm.size == 1 else float(comm.tompi4py().allreduce(weight))
-    return max(float(total), 0.0)
+    return max(float(total(model.system.comm, model.bit.weight_and_torque(model.system.assembly)[0])), 0.0)
 
 
 def _loss(found: Response, system: Linearised, omega: float) -> float:

@@ -12,6 +12,7 @@ from drillpetsc.fem.quantity import Sample
 from drillpetsc.geometry.frames import tool_face_zero
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.rigid_items import RigidItems, across_hole, loads_in, resultants
+from drillpetsc.parallel import total
 from drillpetsc.physics.contact import RESULTS
 
 _SIDE = ("side_high", "side_right", "side_couple", "contact_force_sum")
@@ -74,9 +75,7 @@ def item_forces(model: DrillingModel) -> tuple[FloatArray, FloatArray] | None:
         return None
     system, sample = model.system, Sample(model.system, 0.0)
     cells, _ = sample.once(model.contact.element_results)
-    bodies = RigidItems(model).wall_results(sample)[0]
-    if system.comm.size > 1:
-        bodies = system.comm.tompi4py().allreduce(bodies)
+    bodies = total(system.comm, RigidItems(model).wall_results(sample)[0])
     whole = system.gather(cells, "cell")
     return None if whole is None else (whole, bodies)
 
