@@ -16,7 +16,7 @@ from drillpetsc import __version__, operations
 from drillpetsc.errors import CaseError, DrillError, SolveError
 from drillpetsc.operations.operation import RENAMED_OPTIONS, Mark, Option
 from drillpetsc.operations.shell import EPILOG, EXIT_STATUS
-from drillpetsc.parallel import report_error, report_interrupt
+from drillpetsc.parallel import ENDING, report_error, report_interrupt
 from drillpetsc.units import is_number
 
 _NEGATIVE = re.compile(r"-\.?\d")  # a number below zero, with or without a unit: no option begins so
@@ -30,7 +30,7 @@ def main(words: list[str] | None = None) -> int:
     """
     try:
         try:
-            with _early_checkpoint_requests():
+            with _signals_put_back():
                 return _main(words)
         finally:
             sys.stdout.flush()
@@ -40,17 +40,25 @@ def main(words: list[str] | None = None) -> int:
 
 
 @contextmanager
-def _early_checkpoint_requests() -> Iterator[None]:
-    """Within this context SIGUSR1 does not end the process: a run takes it over when it moves, and begins with a checkpoint anyway."""
-    number, free = getattr(signal, "SIGUSR1", None), threading.current_thread() is threading.main_thread()
-    if number is None or not free or signal.getsignal(number) != signal.SIG_DFL:
+def _signals_put_back() -> Iterator[None]:
+    """Within this context SIGUSR1 does not end the process: a run takes it over when it moves, and begins with a checkpoint anyway.
+
+    At the end all signals that a command takes over (``parallel.start_job``) have their handlers of before: a program that calls
+    a command goes on, and SIGTERM ends it as usual.
+    """
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
-    signal.signal(number, lambda *_: None)
+    taken = [getattr(signal, name) for name in ("SIGUSR1", "SIGPIPE", *ENDING) if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in taken}
+    if hasattr(signal, "SIGUSR1") and before[signal.SIGUSR1] == signal.SIG_DFL:
+        signal.signal(signal.SIGUSR1, lambda *_: None)
     try:
         yield
     finally:
-        signal.signal(number, signal.SIG_DFL)
+        for number, handler in before.items():
+            if handler is not None:  # None: not set from Python
+                signal.signal(number, handler)
 
 
 def _main(words: list[str] | None) -> int:

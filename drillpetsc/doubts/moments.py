@@ -70,11 +70,15 @@ class Tuned(CaseMoment):
 
 @dataclass(frozen=True)
 class Flowing:
-    """A steady flow of the mud has been found (hydraulics).  figures: of summary.json [SI]."""
+    """A steady flow of the mud has been found (hydraulics).
+
+    figures: of summary.json [SI]; largest_loss: words on where most of the pressure is lost.
+    """
 
     case: Case
     figures: Mapping[str, Any]
     units: System
+    largest_loss: str
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.case.plausible.plausibility import LARGEST_PUMP_PRESSURE
 from drillpetsc.doubts.doubt import Doubt, written
 from drillpetsc.doubts.moments import Answer, Flowing, Rest, Start
 from drillpetsc.output.measured.in_hole import below_flow_line
@@ -107,6 +108,20 @@ class BeyondRig(Doubt):
             if value is not None and limit is not None and abs(value) > limit:
                 texts = (written(f"{{q:{kind}}}", {"q": q}, at.units) for q in (abs(value), limit))
                 yield dict(zip(("name", "key", "value", "limit"), (name, key, *texts), strict=True))
+
+
+class BeyondPumps(Doubt):
+    """The pump pressure of the state is more than a mud pump can deliver: a flow rate in a wrong unit, or a passage that is nearly closed."""
+
+    about = (Answer, Flowing, Start)
+    sentence = "pump pressure of {pressure:pressure}: more than any mud pump delivers; {where}"
+    remedy = "Check the unit of the flow rate, the nozzles, and the diameters of hole and string where the pressure is lost."
+
+    def look(self, at: Any) -> Values:
+        pressure = at.figures.get("pump_pressure")
+        if pressure is not None and pressure > LARGEST_PUMP_PRESSURE:
+            where = at.largest_loss if isinstance(at, Flowing) else "`hydraulics` shows where it is lost"
+            yield {"pressure": pressure, "where": where}
 
 
 class SwirlLeftOut(Doubt):

@@ -188,7 +188,10 @@ def build_model(
         given = None if case.fluid is None else getattr(case.fluid, key)
         if given is not None:
             want = f"no {key}, except in roadmap and calibrate with the soft string"
-            hint = "a plugged string without it is empty"
+            hint = (
+                "a plugged string without it is empty; an item that holds mud can have a weight that contains it, density times "
+                "area of the bore more: loads and contact are right then, wall tension and stresses without that mud's pressure"
+            )
             got = shown(given, "length", case.shown_units, 6)
             raise CaseError(at=f"fluid.{key}", got=got, want=want, hint=hint)
     if case.components and (case.hold_string or case.beam.formulation == "quaternion"):

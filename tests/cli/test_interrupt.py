@@ -220,6 +220,25 @@ def test_a_signal_reaches_the_run_once():
         os.kill(os.getpid(), signal.SIGINT)
 
 
+def test_a_command_within_a_program_puts_signals_back(tmp_path: Path) -> None:
+    """A program that calls a command goes on afterwards: SIGTERM ends it as before, and does not raise KeyboardInterrupt."""
+    (tmp_path / "case.yaml").write_text(CASE, encoding="utf-8")
+    program = (
+        "import signal, sys\n"
+        "from drillpetsc.cli.parser import main\n"
+        "names = [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGINT, signal.SIGPIPE]\n"
+        "before = [signal.getsignal(q) for q in names]\n"
+        "assert main(['statics', 'case.yaml', '--out', 'still']) == 0\n"
+        "assert [signal.getsignal(q) for q in names] == before\n"
+        "sys.stdout.flush()\n"
+        "signal.raise_signal(signal.SIGTERM)\n"
+    )
+    job = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert job.returncode == -signal.SIGTERM, job.stderr
+
+
 def test_a_run_whose_folder_is_moved_ends_and_says_where_its_rows_are(tmp_path: Path) -> None:
     """It went on in a new folder of the old name, without its rows, and ended with exit status 0."""
     (tmp_path / "case.yaml").write_text(CASE.replace("{end: 1 s}", "{end: 1000 s}"), encoding="utf-8")

@@ -416,6 +416,41 @@ def test_warnings_of_the_rig_and_of_a_short_string(tmp_path):
     assert len(screen) == len(file) == 1 and "328.08 ft short of its hole of 4000 ft" in file[0]
 
 
+def test_a_pressure_that_no_pump_delivers_is_doubted_with_its_place(tmp_path):
+    """A tool 2 mm narrower than the hole. Laminar flow in a slot of height h loses 12 mu v L / h^2, here 1570 bar, all of it along the
+    tool. With four times the clearance the loss is below 1 % of that, and nothing is said."""
+    mu, rate, length, hole, gap = 0.1, 0.02, 20.0, 0.2159, 1e-3
+
+    def told(gap):
+        c = case(
+            [
+                pipe(500, 5, 4.276),
+                {"kind": "pipe", "name": "tool", "length": length, "od": hole - 2 * gap, "id": 0.1},
+            ],
+            {
+                "survey": {"md": [0, 600], "inclination": [0, 0], "azimuth": [0, 0]},
+                "sections": [{"to": 600, "kind": "open_hole", "diameter": hole}],
+            },
+            {"density": 1000, "rheology": {"model": "newtonian", "viscosity": mu}, "bulk_modulus": 1e12},
+            output={"units": "metric"},
+        )
+        found = Hydraulics(c).at(rate)
+        return found.warnings, next(
+            q.pressure_loss for q in found.rows if q.item == "tool" and q.channel == "annulus"
+        )
+
+    warnings, loss = told(gap)
+    speed = rate / (np.pi * (hole - gap) * gap)
+    assert loss == pytest.approx(12 * mu * speed * length / gap**2, rel=0.02)
+    (text,) = warnings
+    assert "more than any mud pump delivers" in text
+    assert (
+        f"{loss / 1e5:.4g} bar of it in the annulus past tool" in text
+        and "2 mm wider than the string" in text
+    )
+    assert told(4 * gap)[0] == []
+
+
 def test_mud_that_takes_cuttings_is_said_to_have_none():
     """A case that drills: the pressures are those of clean mud, and the notes say so; one that does not drill needs no note."""
     drills = {

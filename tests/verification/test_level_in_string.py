@@ -137,3 +137,22 @@ def test_floated_casing_holds_air_below_the_collar(tmp_path: Path) -> None:
         dp.Case(**case_data(well) | {"fluid": case_data(well)["fluid"] | {"level_in_string": 5}})
     with pytest.raises(CaseError, match="floated_length"):
         dp.statics(well, tmp_path / "s")
+
+
+def test_mud_as_weight_gives_other_commands_a_partly_filled_string(tmp_path: Path) -> None:
+    """What the refusal advises: tubing in two items, the lower one with its mud as weight, run in at 0.6 rad.
+    The hook carries the weights of metal and mud less that of the displaced mud, each with cos - mu sin."""
+    pipe = {"kind": "pipe", "od": 0.1778, "id": 0.15748}
+    filled = METAL + SEA * BORE
+    advised = case(
+        level=None,
+        inclination=0.6,
+        string=[pipe | {"length": 300}, pipe | {"length": 700, "weight": filled}],
+        fluid={"density": SEA, "rheology": {"model": "newtonian", "viscosity": 0}, "bulk_modulus": 1e13},
+        top={"kind": "top_drive", "lowering": 0.2},
+    )
+    with pytest.raises(CaseError, match="weight that contains it"):
+        dp.statics(case(inclination=0.6), tmp_path / "refused")
+    load = dp.statics(advised, tmp_path / "out").summary["hook_load"]
+    weight = G * (300 * METAL + 700 * filled - 1000 * SEA * OUTSIDE)
+    assert load == pytest.approx(weight * (np.cos(0.6) - 0.25 * np.sin(0.6)), rel=2e-3)

@@ -64,6 +64,18 @@ def test_estimate_of_an_undamped_vibration(order):
         assert column["pace"] == pytest.approx(1 - cmath.phase(z) / h, rel=0.05)
 
 
+def test_steps_without_an_estimate_are_not_called_accurate():
+    """Four steps, each the first after a jump, have no divided difference: no error is given, and the report says why."""
+    estimate = TimeError(2, ["x"], ["m"], [1])
+    for k, value in enumerate((0.0, 1.0, 0.2, 0.7)):
+        estimate.step(float(k), 1.0, np.array([value]), True)
+    found = estimate.summary()
+    assert found["columns"]["x [m]"]["share"] is None
+    assert time_error_lines(found) == [
+        "  time error: no estimate, 4 steps are too few for one (run --check-tolerance measures it)"
+    ]
+
+
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.8, 0.5, 0.0])
 def test_estimate_of_an_undamped_vibration_with_generalised_alpha(radius):
     """The formula's own solution of x'' = -w^2 x, started exactly, at even steps: the largest error of x, to 15 %."""

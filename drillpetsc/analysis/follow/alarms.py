@@ -152,6 +152,7 @@ class Watch:
 EXPONENT = 1.85  # of the flow rate: 1.75 of turbulent friction (Blasius), 2 of nozzles and tools
 NOISE = 0.01  # relative standard error of a reading
 WALK = 0.003  # change of the logarithm per square root of a metre: a deeper string, mud that is treated [1/sqrt(m)]
+LENGTHENED = 0.4  # share of the pressure that is lost along a string, and so changes with its length
 
 
 class PressureTrack:
@@ -176,15 +177,20 @@ class PressureTrack:
         self.level += gain * (z - self.level)
         self.variance *= 1 - gain
 
-    def error(self, pressure: float, flow: float, before: float | None, distance: float) -> Error | None:
+    def error(
+        self, pressure: float, flow: float, before: float | None, distance: float, length: float
+    ) -> Error | None:
         """A pump pressure [Pa] and its forecast from the level ``before``, which was estimated ``distance`` [m] earlier.
 
-        None if there was no level, pressure or flow.
+        length: of the string [m]; near the surface the distance is much of it.  None if there was no level, pressure or flow.
         """
         if before is None or np.isnan(before) or not (pressure > 0 and flow > 0):
             return None
         forecast = float(np.exp(before + EXPONENT * np.log(flow)))
-        return Error(pressure, forecast, forecast * float(np.sqrt(WALK**2 * distance + 2 * NOISE**2)))
+        grown = LENGTHENED * distance / max(length, 1e-3)
+        return Error(
+            pressure, forecast, forecast * float(np.sqrt(WALK**2 * distance + grown**2 + 2 * NOISE**2))
+        )
 
     def saved(self) -> dict[str, Any]:
         """Everything that a restart needs."""

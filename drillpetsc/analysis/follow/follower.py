@@ -164,9 +164,8 @@ class Follower:
             if self._readable(row)[k]
             and np.isfinite(seen.mean[k])  # nan: a string that cannot bear its weight on bit
         }
-        pressure = self.pressure.error(
-            row.pump_pressure, row.load.flow, past.values.get("pressure_level"), distance
-        )
+        level, depth = past.values.get("pressure_level"), row.load.bit_depth
+        pressure = self.pressure.error(row.pump_pressure, row.load.flow, level, distance, depth)
         return out if pressure is None else {**out, "pump_pressure": pressure}
 
     def expected(self, belief: Belief, load: Load) -> Expected:

@@ -18,7 +18,13 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     need_mud,
     whole_string,
 )
-from drillpetsc.analysis.hydraulics.losses import Loss, balance, blend_excess, loss_rows
+from drillpetsc.analysis.hydraulics.losses import (
+    Loss,
+    balance,
+    blend_excess,
+    largest_loss,
+    loss_rows,
+)
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_rows
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
@@ -179,7 +185,8 @@ class Hydraulics:
             nozzle_rows(flow, rate),
             flow_figures(flow, rate, rows, self.shoe, self.end, self.window),
         )
-        warnings = doubts_at(Pumped(case, summary, self.units, flow, blend_excess(flow), limited))
+        place = largest_loss(rows, self.units)
+        warnings = doubts_at(Pumped(case, summary, self.units, place, flow, blend_excess(flow), limited))
         if (
             case.fluid is None
             or case.fluid.pump_pressure is not None

@@ -21,6 +21,7 @@ from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
 from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.unit_systems import System, shown
 
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
@@ -331,6 +332,20 @@ def loss_rows(flow: FlowModel) -> list[Loss]:
     if choke:
         rows.append(Loss("choke", "-", "-", pressure_loss=choke))
     return rows
+
+
+def largest_loss(rows: list[Loss], units: System) -> str:
+    """Words on the row with the largest loss, in the reader's units."""
+    row = max(rows, key=lambda q: abs(q.pressure_loss))
+    words = f"{shown(abs(row.pressure_loss), 'pressure', units)} of it in the {row.channel}"
+    if row.item != "-":
+        words += f" {'past' if row.channel == 'annulus' else 'of'} {row.item}"
+    if row.length > 0:
+        upper, lower = (shown(q, "length", units, 6) for q in (row.upper, row.lower))
+        words += f", MD {upper} to {lower}"
+    if row.channel == "annulus":
+        words += f", in a hole {shown(row.od - row.id, 'diameter', units, 3)} wider than the string"
+    return words
 
 
 # ---------------------------------------------------------------------- sums

@@ -37,6 +37,7 @@ LEAST_TILT, LEAST_STATIONS = (
     0.05,
     4,
 )  # [rad of a survey that is read in degrees], stations of it that are inclined
+LEAST_RISING = 6  # stations of a plan with one azimuth, which rise by chance once in 720 wells
 SHARPEST_BEND = math.radians(10) / 30  # [rad/m] of a hole
 FASTEST_ROTATION = 40.0  # [rad/s] 380 rpm
 LARGEST_FLOW, LARGEST_PUMP_PRESSURE = 0.15, 120e6  # [m3/s], [Pa]
@@ -123,7 +124,8 @@ def _reads_as_radians(survey: Survey) -> bool:
     """Whether the numbers of a survey in degrees are those of a well in radians.
 
     Inclinations of at most pi/2 degrees are a nearly vertical hole, whose measured azimuths lie all around.  That several, not all
-    the same, lie below 2 pi degrees, and that the numbers are a smooth hole in radians, is no chance.
+    the same, lie below 2 pi degrees, and that the numbers are a smooth hole in radians, is no chance.  A plan may have one azimuth:
+    then many inclinations that only rise, to what would be a well of 30 degrees or more, are none either.
     """
     inclination, azimuth = (
         [math.degrees(q) for q in angles] for angles in (survey.inclination, survey.azimuth)
@@ -132,7 +134,13 @@ def _reads_as_radians(survey: Survey) -> bool:
     if len(tilted) < LEAST_STATIONS or max(inclination) > math.pi / 2:
         return False
     turns = [azimuth[i] for i in tilted]
-    if min(turns) < 0 or max(turns) > 2 * math.pi or max(turns) - min(turns) < 1e-3:
+    if min(turns) < 0 or max(turns) > 2 * math.pi:
+        return False
+    if max(turns) - min(turns) < 1e-3 and (
+        len(tilted) < LEAST_RISING
+        or max(inclination) < math.radians(30)
+        or any(inclination[k] < inclination[i] for i, k in itertools.pairwise(tilted))
+    ):
         return False
     return all(
         dogleg(inclination[i], azimuth[i], inclination[k], azimuth[k])

@@ -108,7 +108,7 @@ class TimeError:
         """For summary.json: estimated error, range and their quotient by output; steps with and without an estimate.
 
         An output that switches between steps, like the torque of dry friction, has no Taylor series for the
-        estimate: its error is None.
+        estimate: its error is None.  So are all errors if no step has an estimate: it needs steps before it without a jump.
         """
         self._evaluate()
         outputs: dict[str, dict[str, Any]] = {}
@@ -123,7 +123,7 @@ class TimeError:
                 f"{name} [{self.units[k]}]",
                 {"range": extent, "size": size, "error": None, "share": None, "pace": None},
             )
-            if self._switched[k] <= 0.5 * self._sum[k]:
+            if self._estimated and self._switched[k] <= 0.5 * self._sum[k]:
                 way = float(self._way[k])
                 pace = self.formula.accumulation * float(self._sum[k]) / way if way > 0 else 0.0
                 column |= {"error": error, "share": error / extent, "pace": pace}
@@ -211,19 +211,25 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
 
     estimate: as returned by ``TimeError.summary``; checked: it is also measured.
     """
+    hint = "" if checked else " (run --check-tolerance measures it)"
+    without = estimate["steps_without"]
+    if not estimate["steps"] and estimate["columns"]:
+        return [f"  time error: no estimate, {without} steps are too few for one{hint}"]
     shares = [c["share"] for c in estimate["columns"].values() if c["share"] is not None]
     if not shares:
         return []
+    left_out = f", {without} steps without an estimate left out" if without > estimate["steps"] else ""
     doubtful = doubtful_outputs(estimate)
     if not doubtful:
-        return [f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each main output"]
+        return [
+            f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each main output{left_out}"
+        ]
     pace = {title.partition(" [")[0]: c["pace"] for title, c in estimate["columns"].items()}
     named = ", ".join(
         f"{name} {plain(100 * pace[name], 1)} % in size and pace, {_at_an_instant(share)}"
         for name, share in doubtful[:SHOWN]
     )
-    hint = "" if checked else " (run --check-tolerance measures it)"
-    return [f"  time error, estimated: {named}{hint}"]
+    return [f"  time error, estimated: {named}{left_out}{hint}"]
 
 
 def _at_an_instant(share: float) -> str:

@@ -90,7 +90,26 @@ def test_pressure_follows_the_flow_rate():
     for _ in range(5):
         track.see(20e6, 0.06, True)
     level = track.level
-    same = track.error(20e6 * 0.8**EXPONENT, 0.048, level, 30.0)
-    lost = track.error(10e6, 0.06, level, 30.0)
+    same = track.error(20e6 * 0.8**EXPONENT, 0.048, level, 30.0, 2000.0)
+    lost = track.error(10e6, 0.06, level, 30.0, 2000.0)
     assert abs(same.standard) < 1e-6 and lost.standard < -10
-    assert track.error(20e6, 0.0, level, 30.0) is None
+    assert track.error(20e6, 0.0, level, 30.0, 2000.0) is None
+
+
+def test_a_string_that_grows_near_the_surface_is_no_pack_off():
+    """40 bar at the bit, 90 m of collars with 0.2 bar/m and pipe with 0.03 bar/m, run in from the rig: the second stand adds 13 % of
+    pressure, and no alarm.  At 2000 m, 20 % more within a stand is one."""
+
+    def alarms(lengths: list[float], pressures: list[float]) -> list:
+        track, watch, found = PressureTrack(), Watch(), []
+        for length, pressure in zip(lengths, pressures, strict=True):
+            error = track.error(pressure, 0.02, track.level, 30.0, length)
+            if error is not None:
+                found += watch.see("trip_in", length, {"pump_pressure": error})
+            track.walk(30.0)
+            track.see(pressure, 0.02, True)
+        return found
+
+    shallow = [4.0 + 30.0 * k for k in range(9)]
+    assert alarms(shallow, [40e5 + 2e4 * min(q, 90) + 3e3 * max(q - 90, 0) for q in shallow]) == []
+    assert len(alarms([1970.0, 2000.0, 2030.0], [200e5, 240e5, 240e5])) == 1

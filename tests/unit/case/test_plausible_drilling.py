@@ -219,6 +219,20 @@ def test_a_survey_in_radians_is_doubted():
         assert any("were rad meant?" in line for line in lines) is doubted
 
 
+def test_a_plan_in_radians_with_one_azimuth_is_doubted():
+    """Build and hold to 60 degrees towards 45 degrees, written in radians; in degrees, or as a nearly straight hole, it is not doubted."""
+    md = [0.0, 1500, 2000, 2500, 3000, 3500, 4000, 9000]
+    plan = np.radians([0.0, 0, 12, 24, 36, 48, 60, 60])
+    for tilt, turn, doubted in (
+        (plan, np.radians(45), True),
+        (np.degrees(plan), 45.0, False),
+        (0.3 * plan, np.radians(45), False),
+        (plan[[0, 1, 2, 3, 4, 5, 4, 3]], np.radians(45), False),
+    ):
+        lines = doubts(**survey_of(md, [float(q) for q in tilt], [float(turn)] * len(md)))
+        assert any("were rad meant?" in line for line in lines) is doubted
+
+
 def test_a_vertical_well_is_not_taken_for_one_in_radians():
     """Measured: inclinations up to 1.5 deg, azimuths all around; planned: one azimuth."""
     random = np.random.default_rng(3)
