@@ -3,10 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, ClassVar, TypeVar, get_args
+from collections.abc import Iterator, Mapping
+from functools import partial, reduce
+from operator import or_
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    Tag,
+    model_validator,
+)
 from pydantic_core import CoreSchema
 
 from drillpetsc.case.key_paths import refuse, suggestion, unsupported
@@ -143,25 +155,44 @@ def kinds_of(block: type[BaseModel], key: str = "kind") -> tuple[str, ...]:
     return get_args(block.model_fields[key].annotation)
 
 
-def tagged_union(
-    *blocks: type[BaseModel], short: tuple[str, ...] = (), key: str = "kind"
-) -> tuple[Callable[[Any], Any], Callable[[Any], str]]:
-    """(check, tag) for a union of blocks that differ by `kind`, or by the key named `key`.
+class ByKind:
+    """Metadata of a union of blocks that differ by `kind`, or by the key named ``key``.
 
-    check: normalises and refuses; kinds named in `short` may be written as a single word instead of a mapping.
-    tag: names the block for pydantic, as `kind:<name of the class>`; messages drop such a step of a key path.
+    short: kinds that may be written as a single word instead of a mapping.
     """
-    block_of = {kind: block for block in blocks for kind in kinds_of(block, key)}
-    every = ", ".join(block_of)
 
-    def check(value: Any) -> Any:
+    def __init__(self, *short: str, key: str = "kind") -> None:
+        self.short, self.key = short, key
+
+    @property
+    def json_schema_input_type(self) -> Any:
+        """Type of the words, for the manual."""
+        return Literal[self.short] if self.short else None
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        blocks = get_args(source)
+        block_of = {kind: block for block in blocks for kind in kinds_of(block, self.key)}
+
+        def tag(value: Any) -> str:
+            """Name of the block for pydantic; messages drop such a step of a key path."""
+            kind = value[self.key] if isinstance(value, Mapping) else getattr(value, self.key)
+            return f"kind:{block_of[kind].__name__}"
+
+        tagged = [Annotated[block, Tag(f"kind:{block.__name__}")] for block in blocks]
+        words = {"json_schema_input_type": Literal[self.short] | source} if self.short else {}
+        check = BeforeValidator(partial(self._checked, blocks, block_of), **words)
+        return handler.generate_schema(Annotated[reduce(or_, tagged), Discriminator(tag), check])
+
+    def _checked(self, blocks: tuple[type, ...], block_of: Mapping[str, type], value: Any) -> Any:
+        """A mapping or a block of a known kind; otherwise the key's error."""
+        key, every = self.key, ", ".join(block_of)
         if isinstance(value, blocks):
             return value
-        if isinstance(value, str) and short:
-            if value in short:
+        if isinstance(value, str) and self.short:
+            if value in self.short:
                 return {key: value}
             if value in block_of:
-                words = ", ".join(short)
+                words = ", ".join(self.short)
                 raise refuse(
                     got=value, want=f"a mapping {{{key}: {value}, ...}}, or one of the words {words}"
                 )
@@ -174,9 +205,3 @@ def tagged_union(
         if not isinstance(value[key], str) or value[key] not in block_of:
             raise refuse(key, got=value[key], want=f"one of {every}", hint=kind_hint(value[key], block_of))
         return value
-
-    def tag(value: Any) -> str:
-        kind = value[key] if isinstance(value, Mapping) else getattr(value, key)
-        return f"kind:{block_of[kind].__name__}"
-
-    return check, tag

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Strict, Tag, model_validator
 
-from drillpetsc.case.block import Block, tagged_union
+from drillpetsc.case.block import Block, ByKind
 from drillpetsc.case.blocks.hoist import AutodrillerBlock, HoistBlock
 from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.blocks.top_drive import Controllers, TopMotor
@@ -240,34 +240,8 @@ class BitBottom(Block):
     plugged: Plugged = Field(default=False, description=_PLUGGED)
 
 
-_top, _top_tag = tagged_union(HeldTop, DrivenTop, TopDrive, short=("clamped", "pinned", "free"))
-_bottom, _bottom_tag = tagged_union(
-    HeldBottom, ForcedBottom, BitBottom, short=("free", "pinned", "clamped", "bit")
-)
-
-Top = Annotated[
-    Annotated[HeldTop, Tag("kind:HeldTop")]
-    | Annotated[DrivenTop, Tag("kind:DrivenTop")]
-    | Annotated[TopDrive, Tag("kind:TopDrive")],
-    Discriminator(_top_tag),
-    BeforeValidator(
-        _top, json_schema_input_type=Literal["clamped", "pinned", "free"] | HeldTop | DrivenTop | TopDrive
-    ),
-]
-
-Bottom = Annotated[
-    Annotated[HeldBottom, Tag("kind:HeldBottom")]
-    | Annotated[ForcedBottom, Tag("kind:ForcedBottom")]
-    | Annotated[BitBottom, Tag("kind:BitBottom")],
-    Discriminator(_bottom_tag),
-    BeforeValidator(
-        _bottom,
-        json_schema_input_type=Literal["free", "pinned", "clamped", "bit"]
-        | HeldBottom
-        | ForcedBottom
-        | BitBottom,
-    ),
-]
+Top = Annotated[HeldTop | DrivenTop | TopDrive, ByKind("clamped", "pinned", "free")]
+Bottom = Annotated[HeldBottom | ForcedBottom | BitBottom, ByKind("free", "pinned", "clamped", "bit")]
 
 
 class Load(Block):

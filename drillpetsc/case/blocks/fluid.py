@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import (
     BeforeValidator,
-    Discriminator,
     Field,
     GetJsonSchemaHandler,
     Strict,
-    Tag,
     model_validator,
 )
 from pydantic_core import CoreSchema
 
-from drillpetsc.case.block import Block, derived_default, kinds_of, tagged_union
+from drillpetsc.case.block import Block, ByKind, derived_default, kinds_of
 from drillpetsc.case.blocks.own_law import OwnLaw
 from drillpetsc.case.files.mud_report import standard
 from drillpetsc.case.key_paths import refuse
@@ -141,8 +139,7 @@ class OwnRheology(OwnLaw, Rheology):
         return low / POWER_LAW_RATES[0] ** index, index
 
 
-_MODELS = (Newtonian, Bingham, PowerLaw, Casson, HerschelBulkley, OwnRheology)
-_rheology, _rheology_tag = tagged_union(*_MODELS, key="model")
+_Model = Newtonian | Bingham | PowerLaw | Casson | HerschelBulkley | OwnRheology
 
 
 class _MudReportForms:
@@ -162,7 +159,7 @@ class _MudReportForms:
     ) -> dict[str, Any]:
         by_model = handler(core_schema)
         shared = Rheology.model_json_schema()["properties"]
-        models = {"enum": [kinds_of(block, "model")[0] for block in _MODELS]}
+        models = {"enum": [kinds_of(block, "model")[0] for block in get_args(_Model)]}
         forms = []
         for form in self.FORMS:
             own = {
@@ -181,18 +178,7 @@ class _MudReportForms:
         return {"anyOf": [by_model, *forms]}
 
 
-AnyRheology = Annotated[
-    Annotated[Newtonian, Tag("kind:Newtonian")]
-    | Annotated[Bingham, Tag("kind:Bingham")]
-    | Annotated[PowerLaw, Tag("kind:PowerLaw")]
-    | Annotated[Casson, Tag("kind:Casson")]
-    | Annotated[HerschelBulkley, Tag("kind:HerschelBulkley")]
-    | Annotated[OwnRheology, Tag("kind:OwnRheology")],
-    Discriminator(_rheology_tag),
-    BeforeValidator(_rheology),
-    BeforeValidator(standard),
-    _MudReportForms(),
-]
+AnyRheology = Annotated[_Model, ByKind(key="model"), BeforeValidator(standard), _MudReportForms()]
 
 
 def stress_at(rheology: Rheology, shear_rate: float) -> float:

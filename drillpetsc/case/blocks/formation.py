@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from drillpetsc.case.block import Block, derived_default, overlaid, tagged_union
+from drillpetsc.case.block import Block, ByKind, derived_default, overlaid
 from drillpetsc.case.blocks.items.string import Friction
 from drillpetsc.case.blocks.own_law import LawOfKind
 from drillpetsc.case.key_paths import refuse
@@ -216,15 +216,7 @@ class OwnRockLaw(LawOfKind):
     of: ClassVar[str] = "ROCK"
 
 
-_base, _base_tag = tagged_union(RopLaw, VelocityWeakening, OwnBitLaw, short=("rop",))
-
-BaseLaw = Annotated[
-    Annotated[RopLaw, Tag("kind:RopLaw")]
-    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
-    | Annotated[OwnBitLaw, Tag("kind:OwnBitLaw")],
-    Discriminator(_base_tag),
-    BeforeValidator(_base, json_schema_input_type=Literal["rop"] | RopLaw | VelocityWeakening | OwnBitLaw),
-]
+BaseLaw = Annotated[RopLaw | VelocityWeakening | OwnBitLaw, ByKind("rop")]
 
 
 class RollerCone(AnyLaw):
@@ -280,27 +272,7 @@ class RollerCone(AnyLaw):
         return self.base
 
 
-_law, _law_tag = tagged_union(
-    RopLaw, DragBit, VelocityWeakening, RollerCone, OwnBitLaw, short=("rop", "drag_bit")
-)
-
-BitLaw = Annotated[
-    Annotated[RopLaw, Tag("kind:RopLaw")]
-    | Annotated[DragBit, Tag("kind:DragBit")]
-    | Annotated[VelocityWeakening, Tag("kind:VelocityWeakening")]
-    | Annotated[RollerCone, Tag("kind:RollerCone")]
-    | Annotated[OwnBitLaw, Tag("kind:OwnBitLaw")],
-    Discriminator(_law_tag),
-    BeforeValidator(
-        _law,
-        json_schema_input_type=Literal["rop", "drag_bit"]
-        | RopLaw
-        | DragBit
-        | VelocityWeakening
-        | RollerCone
-        | OwnBitLaw,
-    ),
-]
+BitLaw = Annotated[RopLaw | DragBit | VelocityWeakening | RollerCone | OwnBitLaw, ByKind("rop", "drag_bit")]
 
 
 class Formation(Block):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from drillpetsc.case.block import Block, tagged_union
+from drillpetsc.case.block import Block, ByKind
 from drillpetsc.case.blocks.own_law import FunctionName, OwnFunction
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import Quantity, WordOrNumber, said
@@ -202,25 +202,9 @@ class PythonController(OwnFunction):
             raise refuse("function", got=f"{self.function} with {count} parameters", want=want)
 
 
-_kinds = (PiController, StiffController, SoftTorqueController, ZTorqueController, PythonController)
-_check, _tag = tagged_union(*_kinds, short=("stiff", "soft_torque", "soft_speed", "z_torque"))
-
 AnyController = Annotated[
-    Annotated[PiController, Tag("kind:PiController")]
-    | Annotated[StiffController, Tag("kind:StiffController")]
-    | Annotated[SoftTorqueController, Tag("kind:SoftTorqueController")]
-    | Annotated[ZTorqueController, Tag("kind:ZTorqueController")]
-    | Annotated[PythonController, Tag("kind:PythonController")],
-    Discriminator(_tag),
-    BeforeValidator(
-        _check,
-        json_schema_input_type=Literal["stiff", "soft_torque", "soft_speed", "z_torque"]
-        | PiController
-        | StiffController
-        | SoftTorqueController
-        | ZTorqueController
-        | PythonController,
-    ),
+    PiController | StiffController | SoftTorqueController | ZTorqueController | PythonController,
+    ByKind("stiff", "soft_torque", "soft_speed", "z_torque"),
 ]
 
 

@@ -76,13 +76,7 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         "from drillpetsc.case.blocks.items.exciter import ExciterTool",
         before="from drillpetsc.case.blocks.items.",
     )
-    text = items.read_text().replace("tagged_union(\n", "tagged_union(\n    ExciterTool,\n", 1)
-    items.write_text(text)
-    put(
-        items,
-        '    | Annotated[ExciterTool, Tag("kind:ExciterTool")]',
-        before='    | Annotated[Stabilizer, Tag("kind:Stabilizer")]',
-    )
+    put(items, "    | ExciterTool", before="    | Stabilizer")
     model = copy / "model" / "drilling_model.py"
     put(
         model,

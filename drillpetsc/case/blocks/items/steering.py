@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.block import Block, ByKind, derived_default
 from drillpetsc.case.blocks.items.string import ToolTube
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import OverTime, Quantity, said
@@ -64,13 +64,7 @@ class PointSteering(Block):
     steer: Steer = Field(default=Steer(), description="command over time")
 
 
-_kind, _kind_tag = tagged_union(PushSteering, PointSteering)
-
-AnySteering = Annotated[
-    Annotated[PushSteering, Tag("kind:PushSteering")] | Annotated[PointSteering, Tag("kind:PointSteering")],
-    Discriminator(_kind_tag),
-    BeforeValidator(_kind),
-]
+AnySteering = Annotated[PushSteering | PointSteering, ByKind()]
 
 
 class RotarySteerable(ToolTube):

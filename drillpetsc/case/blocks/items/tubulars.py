@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from drillpetsc.case.block import Block, derived_default, tagged_union
+from drillpetsc.case.block import Block, ByKind, derived_default
 from drillpetsc.case.blocks.items.agitator import AgitatorTool
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.reamer import Reamer
@@ -191,46 +191,24 @@ class CoiledTubing(Tubular):
     kind: Literal["coiled_tubing"] = Field(description="coiled tubing")
 
 
-_check, _tag = tagged_union(
-    Pipe,
-    Tool,
-    Beam,
-    DrillPipe,
-    HeavyPipe,
-    DrillCollar,
-    Casing,
-    CoiledTubing,
-    ShockSub,
-    BumperSub,
-    Jar,
-    Stabilizer,
-    Body,
-    Bit,
-    RotarySteerable,
-    PositiveDisplacementMotor,
-    AgitatorTool,
-    Reamer,
-)
-
 StringItem = Annotated[
-    Annotated[Pipe, Tag("kind:Pipe")]
-    | Annotated[Tool, Tag("kind:Tool")]
-    | Annotated[Beam, Tag("kind:Beam")]
-    | Annotated[DrillPipe, Tag("kind:DrillPipe")]
-    | Annotated[HeavyPipe, Tag("kind:HeavyPipe")]
-    | Annotated[DrillCollar, Tag("kind:DrillCollar")]
-    | Annotated[Casing, Tag("kind:Casing")]
-    | Annotated[CoiledTubing, Tag("kind:CoiledTubing")]
-    | Annotated[ShockSub, Tag("kind:ShockSub")]
-    | Annotated[BumperSub, Tag("kind:BumperSub")]
-    | Annotated[Jar, Tag("kind:Jar")]
-    | Annotated[Stabilizer, Tag("kind:Stabilizer")]
-    | Annotated[Body, Tag("kind:Body")]
-    | Annotated[Bit, Tag("kind:Bit")]
-    | Annotated[RotarySteerable, Tag("kind:RotarySteerable")]
-    | Annotated[PositiveDisplacementMotor, Tag("kind:PositiveDisplacementMotor")]
-    | Annotated[AgitatorTool, Tag("kind:AgitatorTool")]
-    | Annotated[Reamer, Tag("kind:Reamer")],
-    Discriminator(_tag),
-    BeforeValidator(_check),
+    Pipe
+    | Tool
+    | Beam
+    | DrillPipe
+    | HeavyPipe
+    | DrillCollar
+    | Casing
+    | CoiledTubing
+    | ShockSub
+    | BumperSub
+    | Jar
+    | Stabilizer
+    | Body
+    | Bit
+    | RotarySteerable
+    | PositiveDisplacementMotor
+    | AgitatorTool
+    | Reamer,
+    ByKind(),
 ]
