@@ -40,22 +40,22 @@ class Wanted:
     hole: str | None = None
 
 
-def import_edm(file: Path, wanted: Wanted) -> tuple[Imported, dict[str, Any] | None, float]:
-    """(contribution of an export to a case, well.survey as plain data or None, its last measured depth [m]).
+def import_edm(file: Path, wanted: Wanted) -> Imported:
+    """The contribution of an export to a case.
 
     Raises CaseError without the package welleng, for a file that it cannot read, for names that the file does not have,
     and if a choice among several wellbores is needed.
     """
     reader = _opened(file)
     bore = _wellbore(reader, file, wanted.wellbore)
-    out = Imported("edm", str(bore.name))
+    out = Imported(str(bore.name))
     out.remarks.append(
         "an EDM export names no units: lengths taken in ft, diameters in in, weights in lb/ft, angles in deg"
     )
-    survey, end = _survey(reader, bore, file, out.remarks)
+    _survey(reader, bore, file, out)
     _string(reader, bore, file, wanted.assembly, out)
     _hole(reader, bore, file, wanted.hole, out)
-    return out, survey, end
+    return out
 
 
 def _opened(file: Path) -> Any:
@@ -106,19 +106,19 @@ def _wellbore(reader: Any, file: Path, name: str | None) -> Any:
 
 
 # ---------------------------------------------------------------------- well path
-def _survey(reader: Any, bore: Any, file: Path, remarks: list[str]) -> tuple[dict[str, Any] | None, float]:
-    """(well.survey as plain data, last measured depth [m]) of the definitive survey; (None, nan) without one."""
+def _survey(reader: Any, bore: Any, file: Path, out: Imported) -> None:
+    """Stations of the definitive survey; left out, with a remark, if the file has none."""
     for phase in PHASES:
         headers = reader.survey_headers(bore, phase=phase)
         if headers:
             break
     else:
-        remarks.append(f"{bore.name} has no definitive survey")
-        return None, math.nan
+        out.remarks.append(f"{bore.name} has no definitive survey")
+        return
     found = reader.survey(bore, phase=phase)
     told = f"definitive survey {found.header.name or found.header.header_id} ({phase}), {len(found)} stations"
     others = len(reader.survey_headers(bore)) - 1
-    remarks.append(told + (f"; {others} other surveys left out" if others else ""))
+    out.remarks.append(told + (f"; {others} other surveys left out" if others else ""))
     names = ("md", "inc", "azi", "tvd", "north", "east")
     columns = ("md", "inclination", "azimuth", "tvd", "ns", "ew")
     units = ("ft", "deg", "deg", "ft", "ft", "ft")
@@ -135,17 +135,17 @@ def _survey(reader: Any, bore: Any, file: Path, remarks: list[str]) -> tuple[dic
         counted="station",
     )
     stations = stations_of(table, Rules())
-    remarks += stations.remarks
+    out.remarks += stations.remarks
     degrees = [
         [f"{math.degrees(angle):.10g} deg" for angle in angles]
         for angles in (stations.inclination, stations.azimuth)
     ]
-    survey = {
+    out.survey = {
         "md": [f"{md:.10g} m" for md in stations.md],
         "inclination": degrees[0],
         "azimuth": degrees[1],
     }
-    return survey, stations.md[-1]
+    out.end = stations.md[-1]
 
 
 def _cell(value: float | None) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -26,15 +25,6 @@ ONE_JOINT = 10.0  # [m] by which a tally may be short of its hole
 TODO = ("string", "well.survey", "well.sections", "top", "bottom", "fluid", "time")
 
 
-@dataclass(frozen=True)
-class Survey:
-    """Results of a survey file: well.survey (name of the file, or stations), last measured depth [m], name of the well."""
-
-    survey: str | dict[str, Any]
-    end: float
-    title: str = ""
-
-
 def fragment(
     files: Sequence[str | Path], folder: Path, wanted: Wanted | None = None
 ) -> tuple[str, list[str]]:
@@ -44,23 +34,24 @@ def fragment(
     folder: of the case file, in which the survey is named relative to it
     wanted: choices for an EDM export
     """
-    found: dict[str, tuple[Path, Imported | Survey]] = {}
+    found: dict[str, tuple[Path, Imported]] = {}
     remarks: list[str] = []
-    exports = 0
+    chosen = False
     for name in files:
         path = Path(name)
         if not path.is_file():
             raise CaseError(at="FILE", got=path, want="a file that exists")
-        parts, said, is_edm = _read(path, folder, wanted or Wanted())
-        exports += is_edm
-        for kind, content in parts:
+        content, has_several = _read(path, folder, wanted or Wanted())
+        chosen |= has_several
+        parts = {"survey": content.survey, "tubular": content.string, "geometry": content.sections}
+        for kind in (kind for kind, part in parts.items() if part):
             if kind in found:
                 raise CaseError(
                     at="FILE", got=path, want=f"one file with a {kind}; {found[kind][0]} has one too"
                 )
             found[kind] = path, content
-        remarks += [f"{path.name}: {text}" for text in said]
-    if wanted is not None and not exports:
+        remarks += [f"{path.name}: {text}" for text in content.remarks]
+    if wanted is not None and not chosen:
         for option, value in (
             ("--wellbore", wanted.wellbore),
             ("--assembly", wanted.assembly),
@@ -68,72 +59,46 @@ def fragment(
         ):
             if value is not None:
                 raise CaseError(at=option, got=value, want="an EDM export or a tally among the files")
-    data: dict[str, Any] = {}
+    nothing = (Path(), Imported())
+    survey, hole, string = (found.get(kind, nothing)[1] for kind in ("survey", "geometry", "tubular"))
     titles = [content.title for _, content in found.values() if content.title]
-    if titles:
-        data["title"] = titles[0]
-    well: dict[str, Any] = {}
-    if "survey" in found:
-        survey = found["survey"][1]
-        assert isinstance(survey, Survey)
-        well["survey"] = survey.survey
-    if "geometry" in found:
-        content = found["geometry"][1]
-        assert isinstance(content, Imported)
-        well["sections"] = content.sections
-        if "survey" in found:
-            assert isinstance(survey, Survey)
-            remarks += _fitted(content.sections, survey.end)
+    data: dict[str, Any] = {"title": titles[0]} if titles else {}
+    if survey.survey and hole.sections:
+        remarks += _fitted(hole.sections, survey.end)
+    well = {key: part for key, part in (("survey", survey.survey), ("sections", hole.sections)) if part}
     if well:
         data["well"] = well
-    if "tubular" in found:
-        content = found["tubular"][1]
-        assert isinstance(content, Imported)
-        data["string"] = content.string
-        if "survey" in found:
-            assert isinstance(survey, Survey)
-            remarks += _short_string(content.string, survey.end)
+    if string.string:
+        data["string"] = string.string
+        if survey.survey:
+            remarks += _short_string(string.string, survey.end)
     here = {"string": "string" in data, "well.survey": "survey" in well, "well.sections": "sections" in well}
     missing = [key for key in TODO if not here.get(key)]
     return _text(data, files, remarks, missing), remarks
 
 
-def _read(
-    path: Path, folder: Path, wanted: Wanted
-) -> tuple[list[tuple[str, Imported | Survey]], list[str], bool]:
-    """(kinds and contents, remarks, whether it may have several strings) of a file."""
-    if path.suffix.casefold() == ".xml":
-        if first_element(path) == EDM_ROOT:
-            content, survey, end = import_edm(path, wanted)
-            _check_items(path, content)
-            parts: list[tuple[str, Imported | Survey]] = []
-            if survey is not None:
-                parts.append(("survey", Survey(survey, end, content.title)))
-            if content.string:
-                parts.append(("tubular", content))
-            if content.sections:
-                parts.append(("geometry", content))
-            return parts, content.remarks, True
+def _read(path: Path, folder: Path, wanted: Wanted) -> tuple[Imported, bool]:
+    """(contribution of a file, whether it may have several strings)."""
+    has_several, kind = True, ""
+    if path.suffix.casefold() == ".xml" and first_element(path) != EDM_ROOT:
         _, kind = read_witsml(path)
-        if kind != "trajectory":
-            content = import_witsml(path)
-            _check_items(path, content)
-            return [("tubular" if kind == "tubular" else "geometry", content)], content.remarks, False
-    if is_tally(path):
+    if kind in ("tubular", "wbGeometry"):
+        content, has_several = import_witsml(path), False
+    elif path.suffix.casefold() == ".xml" and not kind:
+        content = import_edm(path, wanted)
+    elif is_tally(path):
         content = import_tally(path, wanted.assembly)
-        _check_items(path, content)
-        return [("tubular", content)], content.remarks, True
-    try:
-        stations = read_survey(str(path), Rules())
-    except CaseError:
-        raise
-    except Exception as error:  # PydanticCustomError, outside a case
-        raise CaseError(at="FILE", got=path, want="a survey that can be read", hint=str(error)) from None
-    return (
-        [("survey", Survey(os.path.relpath(path, folder), stations.md[-1]))],
-        stations.remarks,
-        False,
-    )
+    else:
+        try:
+            stations = read_survey(str(path), Rules())
+        except CaseError:
+            raise
+        except Exception as error:  # PydanticCustomError, outside a case
+            raise CaseError(at="FILE", got=path, want="a survey that can be read", hint=str(error)) from None
+        name = os.path.relpath(path, folder)
+        return Imported(survey=name, end=stations.md[-1], remarks=stations.remarks), False
+    _check_items(path, content)
+    return content, has_several
 
 
 def _check_items(path: Path, content: Imported) -> None:

@@ -142,7 +142,7 @@ def import_tally(file: Path, assembly: str | None) -> Imported:
     """
     sheet = _sheet(file)
     assert sheet is not None
-    out = Imported("tubular")
+    out = Imported()
     if not sheet.rows:
         raise CaseError(got="no rows", want="a row for each item", file=file, line=sheet.head_at)
     for quantity, unit in UNIT.items():

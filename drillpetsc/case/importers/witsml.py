@@ -25,14 +25,15 @@ KEYS = {"length": "len", "od": "od", "id": "id", "blade": "odBladeMx", "bit_od":
 class Imported:
     """Contribution of a file to a case.
 
-    kind: trajectory, tubular or wbGeometry
     title: name of the well
+    survey: well.survey, the name of its file or stations as plain data, None without; end: its last measured depth [m]
     string: items from the top down; sections: of the hole; both as plain data with units as texts
     remarks: what was left out, replaced or assumed
     """
 
-    kind: str
     title: str = ""
+    survey: str | dict[str, Any] | None = None
+    end: float = math.nan
     string: list[dict[str, Any]] = field(default_factory=list)
     sections: list[dict[str, Any]] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
@@ -131,7 +132,7 @@ def trajectory_table(file: Path) -> Table:
 def import_witsml(file: Path) -> Imported:
     """The parts of a case in a WITSML file."""
     found, kind = read_witsml(file)
-    out = Imported(kind, " ".join(filter(None, (found.word("nameWell"), found.word("nameWellbore")))))
+    out = Imported(" ".join(filter(None, (found.word("nameWell"), found.word("nameWellbore")))))
     if kind == "tubular":
         _string(found, file, out)
     elif kind == "wbGeometry":
