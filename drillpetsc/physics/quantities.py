@@ -384,10 +384,6 @@ TOP_MOTOR: tuple[Quantity, ...] = (
 _MOTOR_TORQUE, _MOTOR_SPEED, _MOTOR_PRESSURE, _MOTOR_STALLED, _MOTOR_ORBIT = range(5)
 
 
-def _of_mud_motor(index: int, motor: Any, sample: Sample) -> float:
-    return float(sample.once(motor.figures, sample.time)[index])
-
-
 MUD_MOTOR: tuple[Quantity, ...] = (
     Quantity(
         "motor_speed",
@@ -396,7 +392,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MRPM",
         sign="the rotor turns clockwise in the stator (looking down)",
         doc="Speed of the rotor and the bit from the stator.",
-        value=partial(_of_mud_motor, _MOTOR_SPEED),
+        value=partial(_of_motor, _MOTOR_SPEED),
         panel=4,
         interest=3,
     ),
@@ -407,7 +403,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MTOR",
         sign="the stator turns the rotor clockwise (looking down)",
         doc="Torque of the downhole motor on the part below it; the opposite torque acts on the string above.",
-        value=partial(_of_mud_motor, _MOTOR_TORQUE),
+        value=partial(_of_motor, _MOTOR_TORQUE),
         panel=3,
     ),
     Quantity(
@@ -418,7 +414,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MDPR",
         sign="pressure above less pressure below",
         doc="Pressure that the mud loses in the downhole motor.",
-        value=partial(_of_mud_motor, _MOTOR_PRESSURE),
+        value=partial(_of_motor, _MOTOR_PRESSURE),
     ),
     Quantity(
         "motor_stalled",
@@ -427,7 +423,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MSTA",
         sign="1 stalled, else 0",
         doc="Whether the torque of the downhole motor has reached its stall torque.",
-        value=partial(_of_mud_motor, _MOTOR_STALLED),
+        value=partial(_of_motor, _MOTOR_STALLED),
         finish=_whole,
     ),
     Quantity(
@@ -437,7 +433,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MORB",
         sign="clockwise in space (looking down)",
         doc="Speed in space at which the centre of the rotor circles the centre of the stator.",
-        value=partial(_of_mud_motor, _MOTOR_ORBIT),
+        value=partial(_of_motor, _MOTOR_ORBIT),
     ),
     Quantity(
         "bearing_load",
@@ -474,7 +470,7 @@ AGITATOR: tuple[Quantity, ...] = (
         interpolate="motion",
         sign="pressure above less pressure below",
         doc="Oscillating part of the pressure that the mud loses in the valve of the agitator.",
-        value=partial(_of_mud_motor, 0),
+        value=partial(_of_motor, 0),
         tool="agitator",
     ),
     Quantity(
@@ -485,7 +481,7 @@ AGITATOR: tuple[Quantity, ...] = (
         interpolate="motion",
         sign="pushes the halves apart",
         doc="Force of that pressure on the piston of the agitator.",
-        value=partial(_of_mud_motor, 1),
+        value=partial(_of_motor, 1),
         tool="agitator",
     ),
 )

@@ -5,7 +5,6 @@ Kernel: kernels/fluid/bit_flow.hpp.  Manual: sec-mud-bit, sec-mud-force-ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any
@@ -17,7 +16,7 @@ from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import Parameters, Table, columns, constant
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FluidConstants, ambient_update
 from drillpetsc.physics.fluid.moving_hole import OTHER_SIZE, MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
@@ -171,7 +170,7 @@ class BitFlow(Component):
         )
         kernel += "_held" * held + "_grow" * (self.growing is not None)
         params = Parameters(kernel, len(vertices), **self._parameters())
-        update = None if self.has_annulus else self._ambient_update(params)
+        update = None if self.has_annulus else ambient_update(params, self.end.ambient)
         self._part = part
         self._block = ElementBlock(
             "bit_flow",
@@ -188,15 +187,6 @@ class BitFlow(Component):
         )
         self._block.keep = (self.fluid,)
         return (self._block,)
-
-    def _ambient_update(self, params: Table) -> Callable[[float], None]:
-        """Function of time that sets the pressure outside in the block's parameters."""
-        ambient = params["ambient"]
-
-        def update(t: float) -> None:
-            ambient[:] = self.end.ambient.value(t)
-
-        return update
 
     # ------------------------------------------------------------------ the hole at the bit's position
     def locate_hole(self, state) -> None:

@@ -6,6 +6,7 @@ Manual: sec-mud-unknowns, sec-mud-mass, sec-mud-momentum.
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import expm1
 from typing import Any
@@ -18,6 +19,7 @@ from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Table, columns, structure
 from drillpetsc.physics.beam import JUNCTION_SLOTS, SLOTS
+from drillpetsc.time_function import TimeFunction
 
 RESULT_NAMES = columns("flow_results").names
 ENERGIES = columns("flow_results").span("kinetic", "potential")  # in the order of ``Energies``
@@ -75,6 +77,16 @@ class FluidConstants:
         if isinstance(pressure, float):
             return -self.bulk_modulus * expm1(-pressure / self.bulk_modulus)
         return -self.bulk_modulus * np.expm1(-np.asarray(pressure) / self.bulk_modulus)
+
+
+def ambient_update(params: Table, ambient: TimeFunction) -> Callable[[float], None]:
+    """Function of time that sets the pressure outside the string [Pa] in the parameters of a block."""
+    outside = params["ambient"]
+
+    def update(t: float) -> None:
+        outside[:] = ambient.value(t)
+
+    return update
 
 
 class ChannelFlow(Component):

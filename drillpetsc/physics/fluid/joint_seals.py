@@ -14,7 +14,7 @@ from drillpetsc.fem.component import Component, ElementBlock
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.beam import SLOTS
-from drillpetsc.physics.fluid.channel_flow import FluidConstants
+from drillpetsc.physics.fluid.channel_flow import FluidConstants, ambient_update
 from drillpetsc.time_function import TimeFunction
 
 SEAL_RESULTS = columns("seal_results").names
@@ -55,11 +55,6 @@ class JointSeals(Component):
             ambient=0.0,
         )
         points = np.array([place[int(c)] for c in cells], dtype=np.int32)
-        outside = params["ambient"]
-
-        def update(t: float) -> None:
-            outside[:] = self.ambient.value(t)
-
         self._block = ElementBlock(
             "seals",
             kernel,
@@ -69,7 +64,7 @@ class JointSeals(Component):
             (),
             params.array,
             context=self.fluid.address,
-            update=None if self.annulus else update,
+            update=None if self.annulus else ambient_update(params, self.ambient),
         )
         self._block.keep = (self.fluid,)
         return (self._block,)

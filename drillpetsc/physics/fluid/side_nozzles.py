@@ -5,7 +5,6 @@ Kernel: kernels/fluid/side_nozzle.hpp.  Manual: sec-mud-side-nozzles.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,10 +14,10 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import Component, ElementBlock, Field, Powers
 from drillpetsc.fem.quantity import OneStep
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.kernels.parameters import Parameters, Table, columns
+from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics.fluid.bit_flow import NOZZLE_LENGTH
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, ambient_update
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 from drillpetsc.time_function import TimeFunction
 
@@ -107,20 +106,11 @@ class SideNozzles(Component):
             params.array,
             context=self.fluid.address,
             constants=self.fluid.constants,
-            update=None if wet else self._ambient_update(params),
+            update=None if wet else ambient_update(params, self.ambient),
         )
         self._block.keep = (self.fluid,)
         self._beside = self._cells_beside()
         return (self._block,)
-
-    def _ambient_update(self, params: Table) -> Callable[[float], None]:
-        """Function of time that sets the pressure outside in the block's parameters."""
-        outside = params["ambient"]
-
-        def update(t: float) -> None:
-            outside[:] = self.ambient.value(t)
-
-        return update
 
     def _cells_beside(self) -> tuple[np.ndarray, np.ndarray]:
         """Local cells that end, and that begin, at a node with nozzles."""

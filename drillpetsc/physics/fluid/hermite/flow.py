@@ -23,7 +23,7 @@ from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.channel_flow import ChannelFlow
+from drillpetsc.physics.fluid.channel_flow import ChannelFlow, ambient_update
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.fluid.moving_hole import MovingHole
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
@@ -403,7 +403,11 @@ class HermiteBit(BitFlow):
             waits=0.0,
             passed=0.0 if self.annulus is None else self.annulus.passed[-1],
         )
-        reference, surge, ambient = params["reference_flow"], params["surge"], self._ambient_update(params)
+        reference, surge, ambient = (
+            params["reference_flow"],
+            params["surge"],
+            ambient_update(params, self.end.ambient),
+        )
 
         def update(t: float) -> None:
             reference[:], surge[:] = self.reference.value(t), self.reference.rate(t)
