@@ -5,6 +5,7 @@ Kernel: kernels/fluid/bit_flow.hpp.  Manual: sec-mud-bit, sec-mud-force-ends.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any
@@ -83,6 +84,7 @@ class BitFlow(Component):
     """
 
     name = "bit_flow"
+    _kernel = "bit_flow"  # common first part of the kernels' names
 
     def __init__(
         self,
@@ -153,10 +155,9 @@ class BitFlow(Component):
             "head": float(f.gravity @ (e.end - e.face * np.asarray(e.axis))),
         }
 
-    def blocks(self, part) -> tuple[ElementBlock, ...]:
-        _, vertices = local_vertices(part, np.array([self.node]))
+    def _slots(self) -> tuple[tuple[str, int], ...]:
         held = self.held_at is not None
-        slots: tuple = () if held else VERTEX_SLOTS
+        slots: tuple[tuple[str, int], ...] = () if held else VERTEX_SLOTS
         if self.has_link:
             slots += (("bore.pressure", 0),)
         if self.has_annulus:
@@ -165,25 +166,30 @@ class BitFlow(Component):
             slots += (("bit.flow", 0),)
         if self.growing is not None:
             slots += (("hole.end", 0), ("hole.drilled", 0))
-        kernel = "bit_flow" + (
+        return slots
+
+    def _update_of(self, params: Table) -> Callable[[float], None] | None:
+        """Function of time that updates the block's parameters."""
+        return None if self.has_annulus else ambient_update(params, self.end.ambient)
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        _, vertices = local_vertices(part, np.array([self.node]))
+        kernel = self._kernel + (
             "" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed"
         )
-        kernel += "_held" * held + "_grow" * (self.growing is not None)
+        kernel += "_held" * (self.held_at is not None) + "_grow" * (self.growing is not None)
         params = Parameters(kernel, len(vertices), **self._parameters())
-        update = None if self.has_annulus else ambient_update(params, self.end.ambient)
         self._part = part
         self._block = ElementBlock(
             "bit_flow",
             kernel,
             "vertex",
             vertices,
-            slots,
+            self._slots(),
             (),
             params.array,
             context=self.fluid.address,
-            update=update,
-            constants=self.fluid.constants,
-            remembers=self._moves_in_mud,
+            update=self._update_of(params),
         )
         self._block.keep = (self.fluid,)
         return (self._block,)

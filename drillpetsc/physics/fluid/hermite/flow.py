@@ -11,6 +11,7 @@ opposite sign. So steady circulation is a state of rest.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -356,6 +357,8 @@ class HermiteBit(BitFlow):
     rest_at: (3,) position of the lowest node at which volumes are zero [m].
     """
 
+    _kernel = "hermite_bit"
+
     def __init__(
         self,
         node: int,
@@ -377,32 +380,25 @@ class HermiteBit(BitFlow):
     def fields(self) -> tuple[Field, ...]:
         return ()
 
-    def blocks(self, part) -> tuple[ElementBlock, ...]:
-        _, vertices = local_vertices(part, np.array([self.node]))
-        held, self._part = self.held_at is not None, part
-        slots: tuple = () if held else VERTEX_SLOTS
-        slots += (("bore.volume", 0),) * self.has_link + (
-            ("annulus.volume", 0),
-            ("annulus.pressure", 0),
-        ) * self.has_annulus
-        kernel = (
-            "hermite_bit"
-            + ("" if self.has_link and self.has_annulus else "_jet" if self.has_link else "_closed")
-            + "_held" * held
-        )
+    def _slots(self) -> tuple[tuple[str, int], ...]:
+        slots: tuple[tuple[str, int], ...] = () if self.held_at is not None else VERTEX_SLOTS
+        outside = ("annulus.volume", 0), ("annulus.pressure", 0)
+        return slots + (("bore.volume", 0),) * self.has_link + outside * self.has_annulus
+
+    def _parameters(self) -> dict[str, Any]:
         pipe, annulus = self.last_heads
-        params = Parameters(
-            kernel,
-            len(vertices),
-            **self._parameters() | {"held_gap": self.rest_gap},
-            reference_flow=0.0,
-            surge=0.0,
-            heads_pipe=pipe,
-            heads_annulus=annulus,
-            travel=self.travel,
-            waits=0.0,
-            passed=0.0 if self.annulus is None else self.annulus.passed[-1],
-        )
+        return super()._parameters() | {
+            "held_gap": self.rest_gap,
+            "reference_flow": 0.0,
+            "surge": 0.0,
+            "heads_pipe": pipe,
+            "heads_annulus": annulus,
+            "travel": self.travel,
+            "waits": 0.0,
+            "passed": 0.0 if self.annulus is None else self.annulus.passed[-1],
+        }
+
+    def _update_of(self, params: Table) -> Callable[[float], None]:
         reference, surge, ambient = (
             params["reference_flow"],
             params["surge"],
@@ -414,20 +410,12 @@ class HermiteBit(BitFlow):
             ambient(t)
 
         update(0.0)
-        self._block = ElementBlock(
-            "bit_flow",
-            kernel,
-            "vertex",
-            vertices,
-            slots,
-            (),
-            params.array,
-            context=self.fluid.address,
-            update=update,
-        )
-        self._block.keep = (self.fluid,)
+        return update
+
+    def blocks(self, part) -> tuple[ElementBlock, ...]:
+        blocks = super().blocks(part)
         _wait(self._block)
-        return (self._block,)
+        return blocks
 
     def locate_hole(self, state) -> None:
         self._turn(state)
