@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from petsc4py import PETSc
 
+from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
 from drillpetsc.analysis.sensitivities.keys import key_of
 from drillpetsc.analysis.sensitivities.motion.outputs import parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
+from drillpetsc.output.job import Job
 from drillpetsc.parallel import initialise_petsc
 from tests.helpers.wells import simple_well
 from tests.verification.test_sensitivities_run import series_of
@@ -166,6 +170,22 @@ def test_string_in_mud_with_frozen_steps(hole, integrator):
         assert (best < 5e-4 * sizes + 2e-5 * values).all(), (key.name, best / sizes, best / values)
         coupled = sizes > 0.05 * values
         assert (best < 1e-3 * sizes)[coupled].all() and coupled.any(), (key.name, best / sizes)
+
+
+@INTEGRATORS
+def test_five_outputs_by_five_keys(integrator, tmp_path):
+    """The command's own check, with its steps: 1e-3 of each derivative that matters, no warning about the others."""
+    keys = "fluid.density,fluid.rheology.index,fluid.flow_rate.value[2],string[2].nozzle_area,string[0].id"
+    of = "pump_pressure.mean,pump_pressure.max,bit_pressure.final,hook_load.mean[0.1:0.4],bit_flow.final"
+    case = hanging(integrator, time={"end": 0.4, "integrator": integrator})
+    question = Question("run", of.split(","), keys.split(","), check=5)
+    run_sensitivities(Job(case, tmp_path / "r"), question)
+    summary = json.loads((tmp_path / "r/summary.json").read_text())
+    assert len(summary["checked"]) == 25 and not any("full solutions" in w for w in summary["warnings"])
+    matter = [c for c in summary["checked"] if abs(c["difference"]) > 0.02]
+    assert len(matter) > 15
+    for c in matter:
+        assert c["derivative"] == pytest.approx(c["difference"], rel=1e-3), c
 
 
 @pytest.mark.parametrize(

@@ -41,18 +41,21 @@ class Differentiated(CaseMoment):
 class Checked(CaseMoment):
     """A derivative is compared with differences of full solutions.
 
-    output, key: their names; derivative, difference: relative [-].
+    output, key: their names; derivative, difference: relative [-]; rounding: of the difference [-].
     """
 
     output: str
     key: str
     derivative: float
     difference: float
+    rounding: float = 0.0
 
     @property
     def error(self) -> float:
-        """Of the derivative, relative to the difference, or to ``SMALL`` if that is smaller."""
-        return abs(self.derivative - self.difference) / max(abs(self.difference), SMALL)
+        """Of the derivative, relative to the difference, or to ``SMALL`` if that is smaller; rounding alone is ``DISAGREES``."""
+        return abs(self.derivative - self.difference) / max(
+            abs(self.difference), SMALL, self.rounding / DISAGREES
+        )
 
 
 @dataclass(frozen=True)

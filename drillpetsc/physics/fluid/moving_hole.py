@@ -127,7 +127,7 @@ class MovingHole:
 
     def forget(self) -> None:
         """Let the next ``follow`` evaluate the hole at all nodes."""
-        self.depth = np.zeros(0)
+        self.evaluated = False
 
     def _evaluate(self, state, keep: bool) -> np.ndarray | None:
         leader = self.leader if keep else None

@@ -35,6 +35,8 @@ from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
+#: of these differences, relative to output and key: static starts with mud converge to 1e-10 of usual pressures
+ROUNDING_IN_MUD = 5e-5
 LOOSER = 10.0  # tolerance of the run with which the derivatives are compared, over that of the run
 MOVES, SMALL = (
     0.1,
@@ -237,7 +239,14 @@ class _Repeated:
             for d, difference in zip(own, full, strict=True):
                 scale = key.value / d.value if d.value and key.value else 0.0
                 out.append(
-                    Checked(self.case, d.output.name, key.name, d.slope * scale, float(difference) * scale)
+                    Checked(
+                        self.case,
+                        d.output.name,
+                        key.name,
+                        d.slope * scale,
+                        float(difference) * scale,
+                        ROUNDING_IN_MUD if self.case.fluid else 0.0,
+                    )
                 )
         return out
 
