@@ -10,8 +10,20 @@ from functools import cache
 
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
-from drillpetsc.output import quantities as measured
-from drillpetsc.output.quantities import sensors
+from drillpetsc.output.quantities.along_string import HOLE_RADIUS, STRING_FIELDS
+from drillpetsc.output.quantities.history import (
+    ENERGY,
+    HOLE,
+    HOOK_LOAD_TOTAL,
+    LOWER_END,
+    ROW_END,
+    ROW_START,
+    TIME,
+    TOP_END,
+    TOP_TRAVEL,
+)
+from drillpetsc.output.quantities.mud import BORE_ONLY, MUD, MUD_FIELDS, SIDE_FLOW
+from drillpetsc.output.quantities.probes import PROBES, SIDE_FORCES
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
@@ -38,8 +50,8 @@ def listed_by_file() -> dict[str, tuple[Listed, ...]]:
 def _mud_at_ends() -> tuple[Listed, ...]:
     """Pressures and flow rates at the ends of the mud's channels."""
     return (
-        *_listed(measured.MUD, where.MUD, **dict.fromkeys(measured.BORE_ONLY, where.BORE)),
-        *_listed((measured.SIDE_FLOW,), where.SIDE_NOZZLES),
+        *_listed(MUD, where.MUD, **dict.fromkeys(BORE_ONLY, where.BORE)),
+        *_listed((SIDE_FLOW,), where.SIDE_NOZZLES),
     )
 
 
@@ -48,11 +60,11 @@ def _of_motion() -> dict[str, tuple[Listed, ...]]:
     contact_scalars = tuple(q for q in physics.CONTACT if q.on == "scalar")
     return {
         "history.csv": (
-            *_listed(measured.ROW_START),
-            *_listed(measured.TOP_END, where.TOP),
-            *_listed((measured.HOOK_LOAD_TOTAL,), where.BLOCK),
+            *_listed(ROW_START),
+            *_listed(TOP_END, where.TOP),
+            *_listed((HOOK_LOAD_TOTAL,), where.BLOCK),
             *_listed(physics.TOP_MOTOR, where.MOTOR),
-            *_listed((measured.TOP_TRAVEL,), where.MOVING_TOP),
+            *_listed((TOP_TRAVEL,), where.MOVING_TOP),
             *_listed(physics.HOIST, where.HOIST),
             *_listed(physics.AUTODRILLER, where.AUTODRILLER),
             *_listed(physics.BIT, where.BIT),
@@ -61,33 +73,35 @@ def _of_motion() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.STEERING_PUSH[:1], where.PUSHES),
             *_listed(physics.STEERING_POINT[:1], where.POINTS),
             *_listed(physics.STEERING_PUSH[1:], where.STEERS),
-            *_listed(measured.LOWER_END, where.STRING),
-            *_listed(measured.HOLE, where.BIT, rop=where.DRILLS),
+            *_listed(LOWER_END, where.STRING),
+            *_listed(HOLE, where.BIT, rop=where.DRILLS),
             *_mud_at_ends(),
             *_listed(physics.JOINTS, where.JOINTS),
             *_listed(physics.MUD_MOTOR, where.MUD_MOTOR),
             *_listed(physics.JAR, where.JAR),
             *_listed(physics.AGITATOR, where.AGITATOR),
             *_listed(contact_scalars, where.CONTACT),
-            *_listed(measured.SIDE_FORCES, where.ITEM_FORCES),
-            *_listed(measured.ENERGY, where.INERTIA),
-            *_listed(measured.ROW_END),
+            *_listed(SIDE_FORCES, where.ITEM_FORCES),
+            *_listed(ENERGY, where.INERTIA),
+            *_listed(ROW_END),
         ),
         "probes.csv": (
-            *_listed(measured.ROW_START),
-            *_listed(measured.PROBES, contact_NNN=where.CONTACT),
+            *_listed(ROW_START),
+            *_listed(PROBES, contact_NNN=where.CONTACT),
         ),
-        "sensors/*.csv": (
-            *_listed((measured.TIME,)),
-            *_listed(sensors.ACCELERATIONS, where.CHANNEL),
-            *_listed((sensors.SPIN, sensors.MAGNETIC_RATE), where.CHANNEL),
-            *_listed((sensors.TORQUE, sensors.WOB, *sensors.BENDING), where.CHANNEL),
-            *_listed((sensors.PRESSURES["bore"],), f"{where.CHANNEL}, {where.BORE}"),
-            *_listed((sensors.PRESSURES["annulus"],), f"{where.CHANNEL}, {where.ANNULUS}"),
-            *_listed((*sensors.MOTIONS, sensors.SPIN_ACCELERATION), f"{where.CHANNEL}, {where.INDICES}"),
+        "sensors/*.csv": _listed(
+            COLUMNS["sensors"],
+            where.CHANNEL,
+            time="",
+            internal_pressure=f"{where.CHANNEL}, {where.BORE}",
+            annulus_pressure=f"{where.CHANNEL}, {where.ANNULUS}",
+            **dict.fromkeys(
+                ("ax_motion", "ay_motion", "az_motion", "spin_acceleration"),
+                f"{where.CHANNEL}, {where.INDICES}",
+            ),
         ),
         "indices.csv": (
-            *_listed((measured.TIME, *COLUMNS["window"])),
+            *_listed((TIME, *COLUMNS["window"])),
             *_listed(COLUMNS["rotation"], where.STRING),
             *_listed(COLUMNS["drilling"], where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
             *_listed(COLUMNS["whirl"], "probes and a hole"),
@@ -104,33 +118,23 @@ def _of_states() -> dict[str, tuple[Listed, ...]]:
         *_listed(_along_string(physics.CONTACT), where.CONTACT),
     )
     mud_fields = tuple(
-        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in measured.MUD_FIELDS
+        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in MUD_FIELDS
     )
     return {
-        "statics.csv": (
-            *_listed((measured.MD,)),
-            *_listed((measured.AXIAL_FORCE, measured.TORQUE, measured.TWIST_ANGLE), where.STRING),
-            *_listed((*_along_string(physics.CONTACT), measured.ITEM_SIDE_FORCE), where.STRING),
-            *_listed(
-                (
-                    *measured.BENDING,
-                    measured.INCLINATION,
-                    measured.OFFSET_X,
-                    measured.OFFSET_Y,
-                    measured.CURVATURE,
-                    measured.BENDING_STRESS,
-                    measured.BUCKLING_LOAD,
-                    measured.BUCKLING_RATIO,
-                ),
-                where.STRING,
-            ),
-            *(entry for entry in mud_fields if entry.quantity.unit != "m/s"),
-            *_listed((measured.ECD,), where.ANNULUS),
-            *_listed((measured.EFFECTIVE_TENSION,), where.MUD_AND_STRING),
+        "statics.csv": _listed(
+            COLUMNS["statics"],
+            where.STRING,
+            md="",
+            internal_pressure=where.BORE,
+            internal_flow=where.BORE,
+            annulus_pressure=where.ANNULUS,
+            annulus_flow=where.ANNULUS,
+            ecd=where.ANNULUS,
+            effective_tension=where.MUD_AND_STRING,
         ),
         "string/*.vtu": (
             *_listed(
-                measured.STRING_FIELDS,
+                STRING_FIELDS,
                 where.STRING,
                 md="",
                 outer_radius="",
@@ -139,15 +143,15 @@ def _of_states() -> dict[str, tuple[Listed, ...]]:
                 effective_tension=where.MUD_AND_STRING,
             ),
             *along_string,
-            *_listed((measured.HOLE_RADIUS,), where.WELL),
+            *_listed((HOLE_RADIUS,), where.WELL),
             *mud_fields,
         ),
         "summary.json of statics": (
             *_listed(
-                measured.STATIC_SUMMARY, where.STRING, hook_load_total=where.BLOCK, top_travel=where.TOP
+                COLUMNS["static_summary"], where.STRING, hook_load_total=where.BLOCK, top_travel=where.TOP
             ),
             *_mud_at_ends(),
-            *_listed((measured.ECD,), where.ANNULUS),
+            *_listed(COLUMNS["ecd"], where.ANNULUS),
         ),
     }
 
@@ -178,7 +182,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         ),
         "max_trip_speed.csv": _listed(COLUMNS["max_trip_speed"]),
         "calibration.csv": _listed(COLUMNS["measured"]),
-        "calibration_series.csv": _listed((measured.TIME, *COLUMNS["calibration_series"])),
+        "calibration_series.csv": _listed((TIME, *COLUMNS["calibration_series"])),
         "measured.csv": _listed(COLUMNS["beside"]),
         "roadmap.csv": _listed(
             COLUMNS["roadmap"],
@@ -187,7 +191,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
             ff_groups=where.GROUPS,
         ),
         "sensitivities.csv": _listed(COLUMNS["sensitivities"]),
-        "sensitivities_history.csv": _listed((measured.TIME, *COLUMNS["sensitivities_over_time"])),
+        "sensitivities_history.csv": _listed((TIME, *COLUMNS["sensitivities_over_time"])),
         "uncertain.csv": _listed(COLUMNS["uncertain"]),
         "uncertain_limits.csv": _listed(COLUMNS["uncertain_limits"]),
         "uncertain_shares.csv": _listed(COLUMNS["uncertain_shares"]),

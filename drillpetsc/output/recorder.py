@@ -16,7 +16,6 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample, Source
 from drillpetsc.fem.step_record import StepRecord
 from drillpetsc.model.drilling_model import DrillingModel, is_quasi_static
-from drillpetsc.output import quantities as declared
 from drillpetsc.output.balances.energy_balance import EnergyBalance
 from drillpetsc.output.balances.mass_balance import MassBalance
 from drillpetsc.output.balances.time_error import TimeError
@@ -26,6 +25,9 @@ from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.probes import Probes
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import DrilledHole, LowerEnd, TopEnd
+from drillpetsc.output.quantities.history import POWERS, ROW_END, ROW_START, TIME
+from drillpetsc.output.quantities.mud import CUTTINGS_FLOW, MUD_CONTENT, OUTLET_FLOW, PUMP_FLOW
+from drillpetsc.output.quantities.probes import SIDE_FORCES
 from drillpetsc.output.sensors.sensors import Sensors
 from drillpetsc.output.table_rows import SampleLayout, TableColumn, TableRow, between
 from drillpetsc.parallel import total, total_in_order
@@ -46,7 +48,7 @@ class Row:
     newton: float = 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.ROW_START + declared.ROW_END
+        return ROW_START + ROW_END
 
 
 @dataclass(slots=True)
@@ -106,19 +108,17 @@ class Recorder:
         ]
         self._history = self._table(in_order(declared_by, "history.csv"))
         self._probe_table = self._table(
-            [(self._row, declared.TIME), *((self.probes, q) for q in self.probes.quantities())]
+            [(self._row, TIME), *((self.probes, q) for q in self.probes.quantities())]
         )
         self._history_row = TableRow(self._history, self._depths)
         self._probe_row = TableRow(self._probe_table, self._depths)
         self.columns: list[Column] = [c.title for c in self._history]
         self.probe_columns: list[Column] = [c.title for c in self._probe_table]
-        self._powers = (
-            self.layout.add(self.energy, declared.POWERS).span if self.energy is not None else slice(0)
-        )
-        self._wall_loads = self.layout.add(self._items, declared.SIDE_FORCES[0]).span
+        self._powers = self.layout.add(self.energy, POWERS).span if self.energy is not None else slice(0)
+        self._wall_loads = self.layout.add(self._items, SIDE_FORCES[0]).span
         self._rates, self._content = np.zeros(0, dtype=int), 0
         if self.mud is not None:
-            inputs = (declared.PUMP_FLOW, declared.OUTLET_FLOW, declared.CUTTINGS_FLOW, declared.MUD_CONTENT)
+            inputs = (PUMP_FLOW, OUTLET_FLOW, CUTTINGS_FLOW, MUD_CONTENT)
             *rates, self._content = (self.layout.add(self.mud, q).start for q in inputs)
             self._rates = np.array(rates)
         self._motion = self.layout.motion()

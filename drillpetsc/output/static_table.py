@@ -16,7 +16,7 @@ from drillpetsc.output.measured.flow_recorder import FlowRecorder, flow_recorder
 from drillpetsc.output.measured.in_hole import below_flow_line, equivalent_density, offsets
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_fields import StringFields
-from drillpetsc.output.quantities import BENDING
+from drillpetsc.output.quantities.along_string import BENDING
 from drillpetsc.parallel import total
 
 

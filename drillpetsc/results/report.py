@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.files.tables import split_name
-from drillpetsc.output.quantities import STATIC_SUMMARY
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.results.datasets import Table
@@ -54,7 +53,7 @@ def _statics(summary: Mapping[str, Any], system: System) -> list[list[str]]:
     file = "summary.json of statics"
     rows = [
         _cells(q.title, summary[q.name], file, system)
-        for q in STATIC_SUMMARY
+        for q in COLUMNS["static_summary"]
         if summary.get(q.name) is not None
     ]
     for item in summary.get("rigid_items", ()):

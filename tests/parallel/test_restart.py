@@ -150,7 +150,7 @@ DAMAGE = {
     "no checksum": (lambda data: data[:22] + b"\n" * 490 + data[512:], "a damaged first block"),
     "longer": (lambda data: data + b"\0", "cut short or damaged"),
     "text": (lambda data: b"time,hook_load\n0,1\n", "something else"),
-    "version 1": (lambda data: b"\x89HDF\r\n\x1a\n" + data, "version 1"),
+    "plain HDF5": (lambda data: b"\x89HDF\r\n\x1a\n" + data, "something else"),
     "version 99": (
         lambda data: data.replace(f"checkpoint {checkpoint.VERSION}".encode(), b"checkpoint 99", 1),
         "version 99",

@@ -11,7 +11,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.logs.log import Log, read_log
+from drillpetsc.logs.log import read_log
 
 #: channel of a log -> column of history.csv
 COLUMNS = {
@@ -92,15 +92,13 @@ def log_series(file: str, case: Case, history: Collection[str]) -> LogSeries:
         want = f"at least {FEWEST_ROWS} numbers in a column that the run has: {', '.join(_words(history))}"
         raise CaseError(file=path, got=f"{len(log)} rows of {have}", want=want)
     column, at, value = (np.concatenate(q) for q in zip(*parts, strict=True))
-    return LogSeries(path, tuple(columns), column, at, value, np.array(scatter), (*notes, *_unused(log)))
+    return LogSeries(
+        path, tuple(columns), column, at, value, np.array(scatter), (*notes, *log.remarks, *log.warnings)
+    )
 
 
 def _words(history: Collection[str]) -> list[str]:
     return [channel.replace("_", " ") for channel, name in COLUMNS.items() if name in history]
-
-
-def _unused(log: Log) -> list[str]:
-    return [*log.remarks, *log.warnings]
 
 
 def _above_string(case: Case, channel: str) -> float:

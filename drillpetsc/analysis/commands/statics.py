@@ -28,7 +28,7 @@ from drillpetsc.output import FieldWriter
 from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
-from drillpetsc.output.quantities import STATIC_SUMMARY
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.watches.buckling import Buckling, buckling
@@ -130,7 +130,7 @@ def _lines(case: Case, state: StaticState, summary: dict[str, Any]) -> list[str]
         if summary["motion"] in OPERATIONS
         else []
     )
-    for q in STATIC_SUMMARY:
+    for q in COLUMNS["static_summary"]:
         if summary.get(q.name) is not None:
             number, unit = in_units(summary[q.name], q, units)
             lines.append(f"  {q.label.lower():<15} {number:>14.6g} {unit}")

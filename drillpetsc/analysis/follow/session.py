@@ -411,8 +411,9 @@ class _Session:
         ]
         lines += [f"  left out: {count} {reason}" for reason, count in summary["rows_left_out"].items()]
         for name, found in summary["forecast"].items():
+            last = found["rms_of_last_value"]
             lines.append(
-                f"  {name.replace('_', ' ')} one stand ahead: rms {found['rms']:.2%}, last value {_percent(found['rms_of_last_value'])}, "
+                f"  {name.replace('_', ' ')} one stand ahead: rms {found['rms']:.2%}, last value {'-' if math.isnan(last) else f'{last:.2%}'}, "
                 f"{found['inside_90']:.0%} of {found['n']} inside the 90 % band"
             )
         kinds = {"block_weight": "force", "hook_error": "force"}
@@ -467,7 +468,3 @@ def _relative(reading: float, wanted: float) -> float:
     """Difference over the reading; over ``wanted`` if the reading is zero, as the torque of a string that does not turn."""
     size = abs(reading) or abs(wanted)
     return (reading - wanted) / size if size else 0.0
-
-
-def _percent(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.2%}"

@@ -33,7 +33,8 @@ from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 VERSION = 6  # another one, too, if a kernel whose parameters a component keeps (annulus_flow) has others
 BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
-MAGIC, OLD_MAGIC = b"drillpetsc checkpoint ", b"\x89HDF\r\n\x1a\n"  # version 1 was plain HDF5
+MAGIC = b"drillpetsc checkpoint "
+GROUPS = ("fields", "rates", "frames", "recorder", "stepper")  # of arrays by name
 WANT = "the checkpoint.h5 of a run"
 
 
@@ -143,12 +144,8 @@ def write(path: Path, c: Checkpoint) -> None:
     """Write ``c`` to ``path``; the previous file remains until the new one is on the disk."""
     import h5py
 
-    tree = {
-        "fields": c.fields,
-        "rates": c.rates,
-        "frames": c.frames,
-        "recorder": c.recorder,
-        "stepper": c.stepper,
+    tree: dict[str, dict[str, FloatArray]] = {
+        **{name: getattr(c, name) for name in GROUPS},
         **{f"components/{name}": state for name, state in c.components.items()},
         **{f"places/{name}": state for name, state in c.local_components.items()},
     }
@@ -198,38 +195,24 @@ def read(path: str | Path) -> Checkpoint:
     _inspect(path, data)
     try:
         with h5py.File(io.BytesIO(data), "r") as file:
-            groups = {g: _arrays(file[g]) for g in ("fields", "rates", "frames", "recorder", "stepper")}
             components, local_components = (
                 {name: _arrays(group) for name, group in file[kind].items()} if kind in file else {}
                 for kind in ("components", "places")
             )
-            imperfection = np.array(file["imperfection"]) if "imperfection" in file else None
-            top = np.array(file["top"]) if "top" in file else np.empty(0)
             return Checkpoint(
-                float(file.attrs["time"]),
-                groups["fields"],
-                groups["rates"],
-                np.array(file["depths"]),
-                groups["frames"],
-                components,
-                local_components,
-                groups["recorder"],
-                groups["stepper"],
-                imperfection,
-                top,
-                json.loads(file.attrs["notes"]),
-                json.loads(np.array(file["provenance"]).tobytes()),
+                time=float(file.attrs["time"]),
+                depths=np.array(file["depths"]),
+                components=components,
+                local_components=local_components,
+                imperfection=np.array(file["imperfection"]) if "imperfection" in file else None,
+                top=np.array(file["top"]),
+                notes=json.loads(file.attrs["notes"]),
+                provenance=json.loads(np.array(file["provenance"]).tobytes()),
+                **{name: _arrays(file[name]) for name in GROUPS},
             )
-    except (
-        OSError,
-        KeyError,
-        ValueError,
-        TypeError,
-        RuntimeError,
-    ) as error:  # a complete file with other contents
-        raise CaseError(
-            file=path, want=WANT, hint=f"it was written by another version of drillpetsc ({error})"
-        ) from None
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:  # complete, with other contents
+        hint = f"it was written by another version of drillpetsc ({error})"
+        raise CaseError(file=path, want=WANT, hint=hint) from None
 
 
 def _arrays(group) -> dict[str, FloatArray]:
@@ -238,13 +221,6 @@ def _arrays(group) -> dict[str, FloatArray]:
 
 def _inspect(path: str | Path, data: bytes) -> None:
     """Raise CaseError unless the file is complete, undamaged and of this version."""
-    if data.startswith(OLD_MAGIC):
-        raise CaseError(
-            file=path,
-            got="checkpoint version 1",
-            want=f"version {VERSION}",
-            hint="it was written by an older version of drillpetsc: finish the run with that version, or start it again",
-        )
     if not data.startswith(MAGIC):
         raise CaseError(
             file=path, got=f"{len(data)} bytes of something else" if data else "an empty file", want=WANT

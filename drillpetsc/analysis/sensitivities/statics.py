@@ -25,14 +25,18 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.quantities.mud import MUD
-from drillpetsc.output.quantities.statics import ECD, STATIC_SUMMARY
+from drillpetsc.output.quantities.tables import COLUMNS
 
 RESOLUTION, RESOLUTION_IN_MUD = (
     1e-5,
     5e-4,
 )  # relative changes of outputs that are rounding, alone and with flow [-]
 HIDDEN = ("top_travel",)  # where the top is, not what the rig reads
-QUANTITIES: tuple[Quantity, ...] = (*(q for q in STATIC_SUMMARY if q.name not in HIDDEN), *MUD, ECD)
+QUANTITIES: tuple[Quantity, ...] = (
+    *(q for q in COLUMNS["static_summary"] if q.name not in HIDDEN),
+    *MUD,
+    *COLUMNS["ecd"],
+)
 
 
 class StaticsSolution:

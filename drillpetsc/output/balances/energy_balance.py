@@ -12,7 +12,7 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.output import quantities as declared
+from drillpetsc.output.quantities.history import ENERGY
 from drillpetsc.output.summaries.run import Energy
 from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.parallel import total
@@ -47,7 +47,7 @@ class EnergyBalance:
         self._follows = False  # whether there are such unknowns, on any rank
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.ENERGY
+        return ENERGY
 
     def start(self, t: float, powers: tuple[float, float]) -> None:
         """Begin at the present state.  powers: dissipated and supplied [W], summed over ranks."""

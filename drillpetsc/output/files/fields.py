@@ -176,14 +176,12 @@ def write_well(
     center: np.ndarray,
     radius: np.ndarray,
     friction: np.ndarray | None = None,
-    extra: Mapping[str, np.ndarray] | None = None,
     sides: int = 24,
 ) -> Path:
     """Write the hole's wall as a tube of quadrilaterals around its axis.
 
     md: (n,) measured depth [m], not falling. center: (n, 3) axis of the hole [m]. radius: (n,) [m]. friction:
-    (n,) [-]. A step of the radius is a station given twice, above and below it. extra: more {"name [unit]":
-    (n,)}.
+    (n,) [-]. A step of the radius is a station given twice, above and below it.
     """
     md, center = np.asarray(md, dtype=float), np.asarray(center, dtype=float)
     count = len(md)
@@ -194,7 +192,7 @@ def write_well(
     stations = {"md [m]": md, "radius [m]": np.asarray(radius, dtype=float)}
     if friction is not None:
         stations["friction [-]"] = np.asarray(friction, dtype=float)
-    stations = _checked({**stations, **(extra or {})}, count, "station")
+    stations = _checked(stations, count, "station")
     first, second = cross_section_axes(center)
     angle = 2 * np.pi * np.arange(sides) / sides
     around = np.cos(angle)[:, None] * first[:, None, :] + np.sin(angle)[:, None] * second[:, None, :]

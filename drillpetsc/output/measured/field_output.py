@@ -9,10 +9,10 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample, Source
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import quantities as declared
 from drillpetsc.output.catalogue import in_order
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.string_fields import StringFields
+from drillpetsc.output.quantities.along_string import OFFSET_X
 
 Key = tuple[int, Any]  # of a value: its source, its function
 
@@ -58,7 +58,7 @@ class FieldOutput:
                     finished[shared] = q.finish(source, values, self.model.mesh.node_depth)
                 values = finished[shared]
             data[q.title] = values if q.index is None else values[:, q.index]
-        position = id(self.string), declared.OFFSET_X.value
+        position = id(self.string), OFFSET_X.value
         return nodes.get(position, self.model.position), data
 
     def _gathered(self, parts: dict[Key, FloatArray], on: str) -> dict[Key, FloatArray] | None:

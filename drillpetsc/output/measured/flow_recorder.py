@@ -11,7 +11,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import OneStep, Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import FluidComponents
-from drillpetsc.output import quantities as declared
+from drillpetsc.output.quantities.mud import BORE_ONLY, MUD, MUD_FIELDS, SIDE_FLOW
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
@@ -36,10 +36,10 @@ class FlowRecorder:
 
     def quantities(self) -> tuple[Quantity, ...]:
         bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None
-        absent = () if bore else declared.BORE_ONLY
-        ends = tuple(q for q in declared.MUD if q.name not in absent)
-        fields = tuple(q for q in declared.MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
-        side = (declared.SIDE_FLOW,) if self.fluid.side is not None else ()
+        absent = () if bore else BORE_ONLY
+        ends = tuple(q for q in MUD if q.name not in absent)
+        fields = tuple(q for q in MUD_FIELDS if (bore if q.name.startswith("internal") else annulus))
+        side = (SIDE_FLOW,) if self.fluid.side is not None else ()
         return ends + side + fields
 
     # ------------------------------------------------------------------ ends

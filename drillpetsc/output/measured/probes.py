@@ -9,8 +9,8 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.in_hole import offsets
+from drillpetsc.output.quantities.probes import PROBES
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Probes:
 
     def quantities(self) -> tuple[Quantity, ...]:
         touches = self.model.contact is not None
-        return tuple(q for q in declared.PROBES if touches or not q.matches("contact_0"))
+        return tuple(q for q in PROBES if touches or not q.matches("contact_0"))
 
     def motions(self, steps: OneStep) -> FloatArray:
         """(k, probes, 4) position [m] and spin rate [rad/s] after each of k steps; zero on ranks without the element.

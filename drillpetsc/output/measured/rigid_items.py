@@ -10,7 +10,7 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import OneStep, Quantity, Sample
 from drillpetsc.geometry.frames import cross, high_sides
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import quantities as declared
+from drillpetsc.output.quantities.probes import SIDE_FORCES, WALL_NUMBERS
 from drillpetsc.physics.bit.rock_bit import RESULTS as BIT_RESULTS
 from drillpetsc.physics.contact import RESULTS
 
@@ -50,7 +50,7 @@ class RigidItems:
     def quantities(self) -> tuple[Quantity, ...]:
         """Columns of the history, if the case requests them."""
         asked = self.model.case.output.item_forces and len(self.items) > 0
-        return declared.SIDE_FORCES if asked else ()
+        return SIDE_FORCES if asked else ()
 
     def _of_drilling_bit(self, found: FloatArray, axis: FloatArray) -> FloatArray:
         """(k, columns) results of the side of a bit that cuts: from its own results (k, columns), in a hole of direction ``axis``
@@ -76,7 +76,7 @@ class RigidItems:
     def loads_of(self, steps: OneStep) -> FloatArray:
         """(k, items, 13) ``loads`` after each of k steps."""
         if not len(self.items):
-            return np.zeros((len(steps), 0, declared.WALL_NUMBERS))
+            return np.zeros((len(steps), 0, WALL_NUMBERS))
         return np.asarray(self.wall_results(steps)[:, self.items[:, None], _LOADS])
 
     def wall_results(self, steps: OneStep) -> FloatArray:
@@ -97,7 +97,7 @@ class RigidItems:
 
     def at_nodes(self, loads: FloatArray) -> FloatArray:
         """(n_nodes,) side force [N] of the items that hang on each node, from their ``loads`` (items, 13)."""
-        sums = np.zeros((self.model.mesh.nodes, declared.WALL_NUMBERS))
+        sums = np.zeros((self.model.mesh.nodes, WALL_NUMBERS))
         np.add.at(sums, [self.model.mesh.bodies[k].node for k in self.items], loads)
         return self.resultants(sums)[:, 0]
 
@@ -106,7 +106,7 @@ class RigidItems:
 
         top: measured depth of the upper end of the unstrained string [m].
         """
-        found = self.resultants(np.reshape(loads, (len(self.items), declared.WALL_NUMBERS)))
+        found = self.resultants(np.reshape(loads, (len(self.items), WALL_NUMBERS)))
         out = []
         for k, name, depth, row in zip(self.items, self.names, self.depths, found.tolist(), strict=True):
             item = {"name": name, "md [m]": top + depth, **dict(zip(TITLES, row, strict=True))}

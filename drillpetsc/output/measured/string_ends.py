@@ -9,8 +9,8 @@ from drillpetsc.fem.component import Component, FloatArray
 from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
-from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.in_hole import along_hole, measured_depth, measured_depths
+from drillpetsc.output.quantities.history import HOLE, HOOK_LOAD_TOTAL, LOWER_END, TOP_END, TOP_TRAVEL
 from drillpetsc.physics.interfaces import Drive
 from drillpetsc.physics.top.hoist import Hoist, HoistLine
 from drillpetsc.time_function import Constant
@@ -52,9 +52,9 @@ class TopEnd:
         exists = m.beam.moves and (m.top.prescribes or self.force is not None)
         if not exists:
             return ()
-        total = () if self.block is None else (declared.HOOK_LOAD_TOTAL,)
-        travel = (declared.TOP_TRAVEL,) if moves(m.case.top) else ()
-        return (*declared.TOP_END, *total, *travel)
+        total = () if self.block is None else (HOOK_LOAD_TOTAL,)
+        travel = (TOP_TRAVEL,) if moves(m.case.top) else ()
+        return (*TOP_END, *total, *travel)
 
     def positions(self, steps: OneStep) -> FloatArray:
         """(k, 3) position of the top [m] after each of k steps; zero if another rank has it."""
@@ -98,7 +98,7 @@ class LowerEnd:
         self.vertex = int(local[0]) if len(local) else None
 
     def quantities(self) -> tuple[Quantity, ...]:
-        return declared.LOWER_END if self.model.beam.moves else ()
+        return LOWER_END if self.model.beam.moves else ()
 
     def motions(self, steps: OneStep) -> FloatArray:
         """(k, 4) position of the face [m] and spin rate [rad/s] after each of k steps; zero if another rank has the end."""
@@ -134,4 +134,4 @@ class DrilledHole:
     def quantities(self) -> tuple[Quantity, ...]:
         if self.bit is None:
             return ()
-        return tuple(q for q in declared.HOLE if q.name != "rop" or self.model.drilling is not None)
+        return tuple(q for q in HOLE if q.name != "rop" or self.model.drilling is not None)

@@ -7,10 +7,10 @@ import numpy as np
 from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.output import quantities as declared
 from drillpetsc.output.measured.bending import EndForces, all_across_hole, end_forces
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.measured.in_hole import offsets
+from drillpetsc.output.quantities.along_string import HOLE_RADIUS, STRING_FIELDS
 from drillpetsc.physics.beam import RESULT_NAMES
 
 _COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
@@ -31,15 +31,15 @@ class StringFields:
 
     def quantities(self) -> tuple[Quantity, ...]:
         if not self.model.beam.moves:
-            string = tuple(q for q in declared.STRING_FIELDS if q.name in ("md", "outer_radius"))
+            string = tuple(q for q in STRING_FIELDS if q.name in ("md", "outer_radius"))
         else:
             absent = {
                 "stress": not self._is_tube,
                 "effective_tension": self.mud is None,
                 "slope": SLOPES not in self.model.system.layout.dofs,
             }
-            string = tuple(q for q in declared.STRING_FIELDS if not absent.get(q.name, False))
-        return string + ((declared.HOLE_RADIUS,) if self.model.well is not None else ())
+            string = tuple(q for q in STRING_FIELDS if not absent.get(q.name, False))
+        return string + ((HOLE_RADIUS,) if self.model.well is not None else ())
 
     # ------------------------------------------------------------------ nodes
     @property

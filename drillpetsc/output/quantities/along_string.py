@@ -275,13 +275,3 @@ STRING_FIELDS: tuple[Quantity, ...] = (
     ),
     EFFECTIVE_TENSION,
 )
-
-INCLINATION = Quantity(
-    "inclination",
-    "deg",
-    on="node",
-    label="Inclination",
-    mnemonic="INCL",
-    sign="from the vertical, 90 deg is level",
-    doc="Angle of the string (in trajectory.csv: of the hole) from the vertical.",
-)

@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from drillpetsc.fem.quantity import Quantity
-from drillpetsc.output.quantities.along_string import INCLINATION, STRING_FIELDS
-from drillpetsc.output.quantities.history import LOWER_END
+from drillpetsc.output.quantities.along_string import STRING_FIELDS
+from drillpetsc.output.quantities.history import HOOK_LOAD_TOTAL, LOWER_END, TIME, TOP_END, TOP_TRAVEL
 from drillpetsc.output.quantities.mud import MUD, MUD_FIELDS, SIDE_FLOW
-from drillpetsc.output.quantities.statics import CURVATURE, ECD, STATIC_SUMMARY
-from drillpetsc.physics.quantities import CONTACT
+from drillpetsc.physics.quantities import BIT, CONTACT
 
-_MEASURED = (*STRING_FIELDS, INCLINATION, CURVATURE, *CONTACT, *LOWER_END, *STATIC_SUMMARY, *MUD, *MUD_FIELDS)
+_ENDS = (*TOP_END, HOOK_LOAD_TOTAL, TOP_TRAVEL, *LOWER_END, *BIT)
+_MEASURED = (TIME, *STRING_FIELDS, *CONTACT, *_ENDS, *MUD, SIDE_FLOW, *MUD_FIELDS)
 
 
 def _read() -> dict[str, tuple[Quantity, ...]]:
-    known = {q.name: q for q in (*_MEASURED, SIDE_FLOW, ECD)}
+    known = {q.name: q for q in _MEASURED}
     columns: dict[str, tuple[Quantity, ...]] = {}
     with open(Path(__file__).with_name("tables.csv"), encoding="utf-8", newline="") as file:
         for row in csv.DictReader(file):

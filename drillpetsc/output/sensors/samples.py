@@ -2,17 +2,40 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import Sensor
-from drillpetsc.output.quantities import sensors as declared
+from drillpetsc.fem.quantity import Quantity
+from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.sensors.section import PARTS, unit_motion
 from drillpetsc.vibration.filters import LowPass, butterworth
 
 AT_ONCE = 20_000  # samples that are computed together
 MOST_TURNED = 0.1  # turn of the string between two points of a filter [rad]
 _ACCELERATION = PARTS["acceleration"]
+
+
+def columns_of(sensor: Any, pressures: tuple[str, ...], motion: bool) -> tuple[Quantity, ...]:
+    """Columns of a sensor's file, in their order.
+
+    sensor: block of the case; pressures: of bore, annulus that exist; motion: with the accelerations without gravity, for indices.
+    """
+    wanted = set(sensor.channels)
+    chosen = {"time", *sensor.accelerations, *(f"downhole_{c}" for c in ("torque", "wob") if c in wanted)}
+    if "rpm" in wanted:
+        chosen |= {"spin", "magnetic_rate"}
+    if "bending" in wanted:
+        chosen |= {"bending_y", "bending_z"}
+    if "pressure" in wanted:
+        chosen |= {{"bore": "internal_pressure", "annulus": "annulus_pressure"}[name] for name in pressures}
+    if motion and sensor.accelerations:
+        chosen |= {f"{name}_motion" for name in sensor.accelerations if sensor.gravity}
+        if sensor.radius:
+            chosen |= {"spin_acceleration"}
+    return tuple(q for q in COLUMNS["sensors"] if q.name in chosen)
 
 
 class Sampler:
@@ -36,7 +59,7 @@ class Sampler:
         self.period = period
         self.sensor, self.gravity = sensor, np.asarray(gravity, dtype=float)
         self.stiffness, self.curvature = stiffness, curvature
-        self.quantities = declared.columns_of(sensor, channels, motion)
+        self.quantities = columns_of(sensor, channels, motion)
         self.columns = [q.column for q in self.quantities]
         given = sensor.filter
         self.filter: LowPass | None = None if given is None else butterworth(given.order, given.cutoff)

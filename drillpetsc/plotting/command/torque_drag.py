@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,12 @@ FAR_LIMIT = 1.5  # a limit of the rig beyond this times the axis is not drawn
 OTHER_PIPE = (
     0.1  # a limit that changes by more than this share from one depth to the next belongs to another pipe
 )
-BUCKLED = {"sinusoidal": "o", "helical": "s", "lock_up": "X"}
+#: state -> mark, words
+BUCKLED = {
+    "sinusoidal": ("o", "buckled, sinusoidal"),
+    "helical": ("s", "buckled, helical"),
+    "lock_up": ("X", "locked up"),
+}
 
 
 def _series(at: Source) -> Any:
@@ -193,10 +199,7 @@ def _rig_limit(axes: Any, limit: float, words: str) -> tuple[str, str, str]:
 
 
 def _strength(axes: Any, lines: dict[str, Any], size: float, depth: float) -> list[tuple[str, Any, str]]:
-    """Draw the limits of the pipe at the rig over the bit depth; returns the entries of the legend.
-
-    lines: None in a folder of an older version.
-    """
+    """Draw the limits of the pipe at the rig over the bit depth; returns the entries of the legend."""
     out: list[tuple[str, Any, str]] = []
     md = np.array(lines["bit_depth [m]"], dtype=float) / depth
     largest = FAR_LIMIT * axes.get_xlim()[1]
@@ -257,7 +260,7 @@ def _curves(axes: Any, table: Table, column: str, size: float, depth: float) -> 
                 linewidth=1.4,
                 marker="." if free.sum() == 1 else None,
             )
-            for word, marker in BUCKLED.items():
+            for word, (marker, _) in BUCKLED.items():
                 at = state == word
                 if at.any():
                     axes.plot(
@@ -320,48 +323,30 @@ def _finish(
         [deepest, *(min(md, 1.3 * deepest) for md in points)]
     )  # points below the hole are also shown
     axes.set_ylim(1.02 * deepest, 0)
+    entry = partial(Line2D, [], [])
     handles = [
-        Line2D([], [], color=color, linewidth=1.8, label=words)
+        entry(color=color, linewidth=1.8, label=words)
         for operation, (words, color) in OPERATIONS.items()
         if (table["operation [-]"] == operation).any()
     ]
     pairs = _pairs(table)
-    handles.append(Line2D([], [], linestyle="", label="\nfriction, cased / open hole"))
+    handles.append(entry(linestyle="", label="\nfriction, cased / open hole"))
     handles += [
-        Line2D([], [], color="0.3", linestyle=dash, label=_pair_words(pair))
+        entry(color="0.3", linestyle=dash, label=_pair_words(pair))
         for pair, dash in zip(pairs, DASHES * 20, strict=False)
     ][:12]
-    handles.append(Line2D([], [], linestyle="", label=""))
-    handles += [
-        Line2D([], [], color=c, linestyle=dash, linewidth=1.0, label=words) for c, dash, words in extra
-    ]
+    handles.append(entry(linestyle="", label=""))
+    handles += [entry(color=c, linestyle=dash, linewidth=1.0, label=words) for c, dash, words in extra]
     if any(shoe / depth <= 1.02 * deepest for shoe in inputs["casing_shoes [m]"]):
-        handles.append(
-            Line2D([], [], color=style.WALL, linestyle=(0, (2, 2)), linewidth=0.9, label="casing shoe")
-        )
-    for word, marker in BUCKLED.items():
-        if (table["buckling_state [-]"] == word).any():
-            text = {
-                "sinusoidal": "buckled, sinusoidal",
-                "helical": "buckled, helical",
-                "lock_up": "locked up",
-            }[word]
-            handles.append(
-                Line2D(
-                    [],
-                    [],
-                    color="0.3",
-                    linestyle="",
-                    marker=marker,
-                    fillstyle="none",
-                    markersize=5,
-                    label=text,
-                )
-            )
+        handles.append(entry(color=style.WALL, linestyle=(0, (2, 2)), linewidth=0.9, label="casing shoe"))
+    mark = partial(entry, linestyle="")
+    handles += [
+        mark(color="0.3", marker=marker, fillstyle="none", markersize=5, label=text)
+        for word, (marker, text) in BUCKLED.items()
+        if (table["buckling_state [-]"] == word).any()
+    ]
     if inputs["measured"]:
-        handles.append(
-            Line2D([], [], color="white", markeredgecolor="black", linestyle="", marker="D", label="measured")
-        )
+        handles.append(mark(color="white", markeredgecolor="black", marker="D", label="measured"))
     axes.legend(handles=handles, frameon=False, fontsize=8.5, loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return drawing
 

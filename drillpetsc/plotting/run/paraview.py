@@ -19,7 +19,7 @@ from drillpetsc.output.files.fields import read_series, write_series
 from drillpetsc.output.files.run_folder import RunFolder
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.files.vtk import Frame, read_frame, write_vtp, write_vtu
-from drillpetsc.output.quantities import MUD_FIELDS
+from drillpetsc.output.quantities.mud import MUD_FIELDS
 from drillpetsc.plotting.run.place import Place, Wall, place_of, read_wall
 from drillpetsc.plotting.run.shape import central_slopes, colour_field, hermite
 

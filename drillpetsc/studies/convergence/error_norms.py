@@ -155,11 +155,11 @@ class Extrapolated:
     error: float
 
 
-def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: float = 2.0) -> Extrapolated:
-    """Extrapolate values (k,) on three meshes, each ``ratio`` times finer than the previous one, to mesh size 0.
+def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray) -> Extrapolated:
+    """Extrapolate values (k,) on three meshes, each twice as fine as the previous one, to mesh size 0.
 
-    With an error C h^p: p = log(|coarse - middle|/|middle - fine|)/log(ratio), limit = fine + (fine -
-    middle)/(ratio^p - 1) (Roache, Verification and Validation in Computational Science and Engineering,
+    With an error C h^p: p = log2(|coarse - middle|/|middle - fine|), limit = fine + (fine -
+    middle)/(2^p - 1) (Roache, Verification and Validation in Computational Science and Engineering,
     1998). If the differences do not decrease, the values of the finest mesh are returned, with their
     difference from the middle mesh as error.
     """
@@ -172,8 +172,8 @@ def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray, ratio: 
         return Extrapolated(fine, float("nan"), 0.0)
     if first <= second:
         return Extrapolated(fine, float("nan"), second)
-    p = float(np.log(first / second) / np.log(ratio))
-    step = (fine - middle) / (ratio**p - 1)
+    p = float(np.log2(first / second))
+    step = (fine - middle) / (2.0**p - 1)
     return Extrapolated(fine + step, p, size(step))
 
 

@@ -12,7 +12,7 @@ import io
 import json
 import os
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from enum import Enum
@@ -235,7 +235,11 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
     titles = list(
         dict.fromkeys(title for m in plan.members if m.number in ended for title in ended[m.number].results)
     )
-    also_si = [key for key in plan.members[0].values if _has_units(plan.members, key)]
+    also_si = [  # keys with a number that is written with a unit (`20 l/s`)
+        key
+        for key in plan.members[0].values
+        if any(key in m.numbers and not is_number(m.values[key]) for m in plan.members)
+    ]
     out = []
     for m in plan.members:
         outcome, folder = ended.get(m.number), plan.folder_of(m).folder
@@ -256,11 +260,6 @@ def rows(plan: Plan, ended: dict[int, Outcome]) -> list[dict[str, Any]]:
         row |= {title: outcome.results.get(title, np.nan) for title in titles}
         out.append({**row, "message": outcome.message})
     return out
-
-
-def _has_units(members: Sequence[Member], key: str) -> bool:
-    """Whether any value of ``key`` is a number written with a unit (`20 l/s`)."""
-    return any(key in m.numbers and not is_number(m.values[key]) for m in members)
 
 
 def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = None) -> list[dict[str, Any]]:

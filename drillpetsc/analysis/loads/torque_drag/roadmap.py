@@ -386,7 +386,10 @@ def _inputs(asked: RowsAsked, points: tuple[MeasuredPoint, ...]) -> dict[str, An
             loads[operation]["axial_speed [m/s]"] = load.axial_velocity
     return {
         "operations": loads,
-        "friction_factor": [_factors_told(p) for p in asked.pairs],
+        "friction_factor": [
+            {"cased": p.cased, "open_hole": p.open_hole, **({"groups": p.groups} if p.groups else {})}
+            for p in asked.pairs
+        ],
         "casing_shoes [m]": shoes_of(asked.case),
         "block_weight [N]": asked.block_weight,
         "max_hookload [N]": None if rig is None else rig.max_hookload,
@@ -400,57 +403,37 @@ def _inputs(asked: RowsAsked, points: tuple[MeasuredPoint, ...]) -> dict[str, An
     }
 
 
-def _factors_told(pair: Pair) -> dict[str, Any]:
-    factors = {"cased": _plain(pair.cased), "open_hole": _plain(pair.open_hole)}
-    return factors | ({"groups": pair.groups} if pair.groups else {})
-
-
-def _plain(value: float) -> float | None:
-    return None if np.isnan(value) else value
-
-
 def _warnings(
     case: Case, rows: list[dict[str, Any]], torque: dict[str, list[float | None]], system: System
 ) -> list[str]:
     """What passes the rig's limits, and rows that are not to be trusted, one sentence a kind."""
-    out = []
-    rig = case.rig
     size, unit = shown_unit("bit_depth", "m", system)
-    limits = (
-        (
-            "hook_load_total" if rig is not None and rig.block_weight is not None else "hook_load",
-            "max_hookload",
-            "hook load",
-        ),
-        ("surface_torque", "max_surface_torque", "surface torque"),
-    )
-    for key, limit, words in limits:
-        largest = None if rig is None else getattr(rig, limit)
-        beyond = [] if largest is None else [row for row in rows if row[key] > largest]
-        if beyond:
-            first = min(beyond, key=lambda row: row["bit_depth"])
-            out.append(
-                f"{words} above rig.{limit} in {len(beyond)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} "
-                f"({first['operation']}, {pair_text(first)})"
-            )
-    for words, above in passed(torque, rows):
-        first = min(above, key=lambda row: row["bit_depth"])
-        out.append(
-            f"surface torque above {words} in {len(above)} rows, first at MD {first['bit_depth'] / size:.0f} {unit} "
-            f"({first['operation']}, {pair_text(first)})"
-        )
+
+    def where(some: Sequence[dict[str, Any]]) -> tuple[str, dict[str, Any]]:
+        first = min(some, key=lambda row: row["bit_depth"])
+        return f"in {len(some)} rows, first at MD {first['bit_depth'] / size:.0f} {unit}", first
+
+    rig, beyond = case.rig, []
+    if rig is not None:
+        key = "hook_load" if rig.block_weight is None else "hook_load_total"
+        for name, limit in ((key, "max_hookload"), ("surface_torque", "max_surface_torque")):
+            largest, words = getattr(rig, limit), name.removesuffix("_total").replace("_", " ")
+            if largest is not None:
+                beyond.append((f"{words} above rig.{limit}", [row for row in rows if row[name] > largest]))
+    beyond += [(f"surface torque above {words}", above) for words, above in passed(torque, rows)]
+    out = []
+    for words, above in beyond:
+        if above:
+            place, first = where(above)
+            out.append(f"{words} {place} ({first['operation']}, {pair_text(first)})")
     kinds: dict[tuple[str, str], list[dict[str, Any]]] = {}
     for row in rows:
         if row["status"] != OK:
             kinds.setdefault((row["operation"], row["status"].split(":")[0]), []).append(row)
     for (operation, words), some in kinds.items():
-        first = min(some, key=lambda row: row["bit_depth"])
-        depth = f"MD {first['bit_depth'] / size:.0f} {unit}"
+        place, first = where(some)
         reason = first["status"].partition(": ")[2] if words == "failed" else ""
-        out.append(
-            f"{operation}: {words} in {len(some)} rows, first at {depth} ({pair_text(first)})"
-            + (f": {reason}" if reason else "")
-        )
+        out.append(f"{operation}: {words} {place} ({pair_text(first)})" + (f": {reason}" if reason else ""))
     return out
 
 
@@ -523,16 +506,15 @@ def _lines(asked: RowsAsked, rows: list[dict[str, Any]], system: System) -> list
     ]
     for operation in asked.plan.operations:
         some = [row for row in at_end if row["operation"] == operation][: len(shown)]
-        values = "".join(f"{_cell(row[key] / f):>14}" for row in some)
-        lines.append(
-            f"  {operation:<18} {'hook load' + (' with block' if total else ''):<20} {force:<8}{values}"
-        )
-        if any(abs(row["surface_torque"]) > 0 for row in some):
-            values = "".join(f"{_cell(row['surface_torque'] / m):>14}" for row in some)
-            lines.append(f"  {'':<18} {'surface torque':<20} {moment:<8}{values}")
-        if any(np.isfinite(row["overpull_margin"]) for row in some):
-            values = "".join(f"{_cell(row['overpull_margin'] / f):>14}" for row in some)
-            lines.append(f"  {'':<18} {'margin of overpull':<20} {force:<8}{values}")
+        turning = any(abs(row["surface_torque"]) > 0 for row in some)
+        for head, name, words, size, unit, there in (
+            (operation, key, "hook load" + (" with block" if total else ""), f, force, True),
+            ("", "surface_torque", "surface torque", m, moment, turning),
+            ("", "overpull_margin", "margin of overpull", f, force, None),
+        ):
+            if there if there is not None else any(np.isfinite(row[name]) for row in some):
+                values = "".join(f"{_cell(row[name] / size):>14}" for row in some)
+                lines.append(f"  {head:<18} {words:<20} {unit:<8}{values}")
         if any(row["buckling_state"] != "none" for row in some):
             values = "".join(f"{row['buckling_state']:>14}" for row in some)
             lines.append(f"  {'':<18} {'buckling':<28} {values}")

@@ -214,8 +214,8 @@ def values_of(model: DrillingModel, job: Job) -> dict[str, Any]:
         "helical_ratio": helical,
         "buckling_state": STATES[2 if helical > 1 else int(sinusoidal > 1)],
         "max_side_force_per_joint": _side_force(model, found, hole),
-        "min_safety_factor": _least_or_most(values["safety_factor"], np.min),
-        "overpull_margin": _least_or_most(values["tension_limit"] - values["axial_force"], np.min),
+        "min_safety_factor": _least(values["safety_factor"]),
+        "overpull_margin": _least(values["tension_limit"] - values["axial_force"]),
     }
     pitch = 2 * np.pi * np.sqrt(2 * hole.stiffness / np.maximum(push.max(axis=1), 1.0))
     coils = (push > np.where(np.isfinite(values["helical_limit"]), values["helical_limit"], np.inf)).any(
@@ -237,9 +237,9 @@ def _side_force(model: DrillingModel, found: State, hole: Surroundings) -> float
     return float(largest_on_joint(hole.md, own, joint).max())
 
 
-def _least_or_most(values: FloatArray, which: Any) -> float:
+def _least(values: FloatArray) -> float:
     known = values[np.isfinite(values)]
-    return float(which(known)) if len(known) else float("nan")
+    return float(known.min()) if len(known) else float("nan")
 
 
 def _in_mud(model: DrillingModel, found: State, hole: Surroundings, job: Job) -> State:
