@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from drillpetsc.analysis.statics.checks.slider_travel import travels
-from drillpetsc.analysis.statics.placement import end_is_held, top_depth
+from drillpetsc.analysis.statics.placement import end_is_held, is_slanted, top_depth
 from drillpetsc.analysis.statics.start.march_shape import (
     OnWall,
     frame_across,
@@ -367,8 +367,11 @@ def march(
     weight = (case.initial.wob or 0.0) if wob is None else wob
     if model.bit is None:
         if end_is_held(model) and case.top.force is not None:
-            return _pulled(marcher, start)
-        if end_is_held(model) and model.top.prescribes:
+            bottom = _bottom_force(marcher.column, most=LARGEST_PULL)
+            # pushed in a vertical hole it has no side to lie on: its relaxation from the axis needs no side loads that stay
+            if bottom > 0 or is_slanted(model):
+                return _pulled(marcher, bottom, start)
+        elif end_is_held(model) and model.top.prescribes:
             return _closed(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
@@ -411,10 +414,9 @@ def helix_band(
     return HelixBand("wob" if case.top.force is not None else "hook_load", low, high)
 
 
-def _pulled(marcher: _Marcher, top: float) -> March:
-    """The march of a string whose lower end is held, under a given force at its top, which follows from measured depth ``top`` [m]."""
-    bottom, end = _bottom_force(marcher.column, most=LARGEST_PULL), float(marcher.depth[-1])
-    found = marcher.result(bottom, 0.0, top)
+def _pulled(marcher: _Marcher, bottom: float, top: float) -> March:
+    """The march of a string whose lower end is held with the force ``bottom`` [N], and whose top follows from measured depth ``top`` [m]."""
+    end, found = float(marcher.depth[-1]), marcher.result(bottom, 0.0, top)
     for _ in range(BEND_ROUNDS):  # what bends shorten depends on the place
         top += end - float(found.measured_depth[-1])
         found = marcher.result(bottom, 0.0, top)
