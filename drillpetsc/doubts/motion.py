@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.case.blocks.top_drive import PythonController
+from drillpetsc.case.importers.stations import SHARPEST
 from drillpetsc.doubts.doubt import Doubt
 from drillpetsc.doubts.moments import Built, End, Freed, Moment, Start, Tuned
+from drillpetsc.geometry.trajectory import dogleg_severity
 from drillpetsc.model.drilling_model import is_quasi_static
 from drillpetsc.model.top import autodriller_of
 from drillpetsc.output.balances.energy_balance import GAINED
@@ -35,6 +37,7 @@ CREEPS, ROUNDED = (
     0.01,
 )  # creep of a bit that sticks [rad/s], and over the rotary speed, above which peaks may be too low
 UNBALANCED = 3e-3  # energy error over the energy exchanged above which formulation hermite is named
+WAVE_COURSE = 3.0  # course over which a new hole is compared with what is drilled [m]
 CREPT = 1e-3  # of the weight: friction below it holds nothing worth a message
 
 
@@ -379,6 +382,32 @@ class EndBeyondHole(Doubt):
         watch = at.monitors.free_end
         if watch.first is not None:
             yield {"first": watch.first, "most": watch.most}
+
+
+class WavyHole(Doubt):
+    """The new hole is more crooked than holes are drilled: a bit that cuts sideways easily copies each kink that its stabilizer passes, and
+    the waves grow (manual: sec-bit-waves).
+
+    The build rate of a run is then a mean over waves, which depends on where the run ends."""
+
+    about = (End,)
+    sentence = (
+        "the new hole has waves, with up to {most:dogleg 3} over {course:length 3} at MD {md:length 5}: its build and turn rates are means "
+        "over waves and depend on where the run ends"
+    )
+    remedy = "Give a smaller `formation.bit_anisotropy`, more weight on bit, or a more flexible tool between bit and stabilizer."
+
+    def look(self, at: End) -> Values:
+        bit = at.model.bit
+        well = bit.drilled_hole() if bit is not None and bit.hole is not None else None
+        if bit is None or well is None or well.depth - bit.hole.start < 2 * WAVE_COURSE:
+            return
+        md = np.linspace(bit.hole.start, well.depth, int((well.depth - bit.hole.start) / 0.25) + 2)
+        severity = dogleg_severity(md, np.asarray(well.at(md)[1]), WAVE_COURSE)
+        severity[md < bit.hole.start + WAVE_COURSE] = 0.0  # the kink where the old hole ends
+        worst = int(np.argmax(severity))
+        if severity[worst] > SHARPEST:  # a survey with such a bend is refused
+            yield {"most": float(severity[worst]), "course": WAVE_COURSE, "md": float(md[worst])}
 
 
 class UnresolvedSensor(Doubt):

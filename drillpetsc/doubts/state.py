@@ -11,6 +11,7 @@ from drillpetsc.case.plausible.plausibility import LARGEST_PUMP_PRESSURE
 from drillpetsc.doubts.doubt import Doubt, written
 from drillpetsc.doubts.moments import Answer, Flowing, Rest, Start
 from drillpetsc.output.measured.in_hole import below_flow_line
+from drillpetsc.output.watches.axial_strain import largest_strain
 from drillpetsc.output.watches.operation_watch import LEAST_PUSH
 from drillpetsc.parallel import total
 from drillpetsc.physics.contact import RESULTS
@@ -19,6 +20,7 @@ from drillpetsc.physics.joints import Joints
 
 Values = Iterable[dict[str, Any]]
 
+MOST_STRAIN = 0.01  # along the axis, twice the yield of the strongest pipe [-]
 LEAST_DEPTH = 1.0  # of the top below the flow line that is reported [m]
 SMALL_TORQUE = 0.02  # share of the surface torque below which the swirl is not reported
 STOP_SHARE = (
@@ -122,6 +124,29 @@ class BeyondPumps(Doubt):
         if pressure is not None and pressure > LARGEST_PUMP_PRESSURE:
             where = at.largest_loss if isinstance(at, Flowing) else "`hydraulics` shows where it is lost"
             yield {"pressure": pressure, "where": where}
+
+
+class Overstrained(Doubt):
+    """The axial load strains a pipe far beyond the yield of any metal, which the model does not contain: a diameter, a load or a unit is wrong."""
+
+    about = (Answer, Start)
+    sentence = "{name} at MD {md:length 5} is {strained} by {percent:.2g} % along its axis: any pipe yields at about 0.5 %, which this state leaves out"
+    remedy = (
+        "Check the diameters, the loads, and their units; `limits` compares stresses with the yield strength."
+    )
+
+    def look(self, at: Rest) -> Values:
+        if not at.model.beam.moves or "string.tangent" not in at.model.system.layout.dofs:
+            return
+        strain, cell = largest_strain(at.model)
+        if abs(strain) > MOST_STRAIN:
+            mesh = at.model.mesh
+            yield {
+                "name": at.case.string[int(mesh.item[cell])].name,
+                "md": at.top + float(mesh.node_depth[cell]),
+                "strained": "stretched" if strain > 0 else "shortened",
+                "percent": 100 * abs(strain),
+            }
 
 
 class SwirlLeftOut(Doubt):

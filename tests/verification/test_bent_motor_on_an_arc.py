@@ -6,6 +6,7 @@ below P. Without weight, friction and clearance the hole grows along (1 - I) tim
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -173,7 +174,7 @@ def test_the_curve_of_three_points(angle, lower, upper, side, od, start, tmp_pat
     expected = steady_curvature(angle, lower, upper, side, od, kink)
     assert found == pytest.approx(expected, rel=3e-3)
     rule = 2 * angle / (lower + upper)
-    assert found < rule
+    assert found < rule and not wavy(tmp_path)
     if side == 30.0:
         assert math.degrees(rule) * 100 * FOOT == pytest.approx(6.944, rel=1e-4)
         assert found == pytest.approx(rule, rel=0.06)
@@ -194,3 +195,24 @@ def test_a_stiff_tool_on_a_bit_that_cuts_sideways_drills_waves(tmp_path):
     first, last = (np.abs(wave[(s >= a) & (s < a + 4)]).max() for a in (START + 8, START + 24))
     growth = math.log(last / first) / 16
     assert 0.7 * root.real < growth < 1.05 * root.real
+    assert wavy(tmp_path) == (severest(md, inclination, 3.0) > math.radians(30) / 30)
+
+
+def test_a_hole_that_winds_beyond_any_survey_is_doubted(tmp_path):
+    """The same tool with three times the kink: within 10 m bends over 3 m exceed 30 deg/30 m, and the rates of the hole are doubted."""
+    md, inclination, _ = drill(tmp_path, math.radians(1.5), 6 * FOOT, 30 * FOOT, 100.0, 0.1715, 1.0, 10.0)
+    assert severest(md, inclination, 3.0) > math.radians(30) / 30
+    assert wavy(tmp_path)
+
+
+def severest(md: np.ndarray, inclination: np.ndarray, course: float) -> float:
+    """Largest dogleg [rad/m] over a course [m] of a hole in a plane, from one course below its start."""
+    s = np.arange(START + course, md[-1], 0.05)
+    return (
+        float(np.abs(np.interp(s, md, inclination) - np.interp(s - course, md, inclination)).max()) / course
+    )
+
+
+def wavy(tmp_path) -> bool:
+    warnings = json.loads((tmp_path / "run" / "summary.json").read_text())["warnings"]
+    return any("the new hole has waves" in text for text in warnings)

@@ -13,8 +13,10 @@ from drillpetsc import Case
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.checks.folded_elements import backwards, refuse_folded
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
+from drillpetsc.case.writer import case_data
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.output.static_table import static_table
 
 AREA, BENDING, YOUNG = 3.4047325e-3, 1.2240289e6, 206e9  # [m2], [N m2], [Pa]
 WEIGHT, CLEARANCE = 242.0, 0.04445  # [N/m], [m]
@@ -68,6 +70,35 @@ def test_a_lying_string_pushes_on_its_lower_end_with_half_its_weight(bottom):
     assert state.stable
     half = 0.5 * WEIGHT * length * np.cos(np.radians(60.0))
     assert static_summary(model, state)["hook_load"] == pytest.approx(half, rel=1e-2)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_stuck_string_is_pulled_by_a_given_force_through_a_bend(friction):
+    """Overpull of 900 kN on pipe that is held at 1600 m below a bend of 30 degrees over 600 m: the force at the lower end and the
+    stretch, by own integration of dF/ds = -(w cos I + mu |w sin I - F kappa|) in steps of 0.1 m."""
+    straight, bent, length, angle, pull = 300.0, 900.0, 1600.0, float(np.radians(30.0)), 900e3
+    data = case_data(held_string(length, 0.0, "clamped")) | {"top": {"kind": "top_drive", "force": pull}}
+    data["well"] = {
+        "survey": {
+            "md": [0, straight, bent, length],
+            "inclination": [0, 0, angle, angle],
+            "azimuth": [0] * 4,
+        },
+        "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": friction}],
+    }
+    step, force, stretch = 0.1, pull, 0.0
+    for s in np.arange(0.5 * step, length, step):
+        tilt = angle * float(np.clip((s - straight) / (bent - straight), 0, 1))
+        bend = angle / (bent - straight) if straight < s < bent else 0.0
+        stretch += force / (YOUNG * AREA) * step
+        force -= (WEIGHT * np.cos(tilt) + friction * abs(WEIGHT * np.sin(tilt) - force * bend)) * step
+    model = build_model(Case(**data))
+    state = find_equilibrium(model, motion=(-0.1, 0.0))
+    columns, rows = static_table(model)
+    assert state.stable and rows is not None
+    axial = [name for name, *_ in columns].index("axial_force")
+    assert rows[-1, axial] == pytest.approx(force, abs=5e-3 * pull)
+    assert static_summary(model, state)["stretch"] == pytest.approx(stretch, rel=2e-3)
 
 
 def test_an_element_that_runs_backwards_is_found():

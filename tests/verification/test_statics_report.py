@@ -357,3 +357,30 @@ def test_swirl_is_named_for_a_string_that_turns(motion, told, tmp_path):
     """A string that is hoisted without rotation was told of a torque that the swirl would add to 0.3 N m (1e5 %)."""
     found = statics(load_case("cases/field/metric.yaml"), tmp_path / "out", motion=motion)
     assert any("mud that swirls" in text for text in found.summary["warnings"]) is told
+
+
+@pytest.mark.parametrize("thin", [True, False])
+def test_pipe_that_its_load_must_break_is_named(tmp_path, thin) -> None:
+    """300 m of pipe of 12.7 mm, meant as 127 mm, with 600 m of collars below: the strain of its top is (w1 L1 + w2 L2)/EA, below 0.1 % at ten
+    times the diameters."""
+    size = 1.0 if thin else 10.0
+    pipe = {"kind": "pipe", "length": 300.0, "od": 12.7e-3 * size, "id": 10e-3 * size, "element_length": 2.0}
+    collar = {"kind": "pipe", "length": 600.0, "od": 0.1, "id": 0.05}
+    area, heavy = (np.pi / 4 * (q["od"] ** 2 - q["id"] ** 2) for q in (pipe, collar))
+    strain = 7850 * 9.81 * (300 * area + 600 * heavy) / (206e9 * area)
+    case = Case(
+        string=[pipe, collar],
+        material={"young": 206e9, "poisson": 0.3, "density": 7850.0},
+        top="clamped",
+        gravity=9.81,
+    )
+    summary = statics(case, tmp_path / "out").summary
+    said = [text for text in summary["warnings"] if "any pipe yields" in text]
+    assert strain > 0.01 if thin else strain < 1e-3
+    assert said == (
+        [
+            f"pipe at MD 0 m is stretched by {100 * strain:.2g} % along its axis: any pipe yields at about 0.5 %, which this state leaves out"
+        ]
+        if thin
+        else []
+    )

@@ -13,7 +13,7 @@ from drillpetsc.analysis.statics.friction_newton import LATERAL_FAILED, START_IN
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
 from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
-from drillpetsc.analysis.statics.placement import place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.statics.placement import is_slanted, place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
@@ -34,7 +34,6 @@ from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import System, display, display_unit, shown
 
-SLANTED = 1e-3  # horizontal part of the string's direction from which on a string without contact may fall out of its hole
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
 MOTIONS = {"hoist": (-1.0, 0.0), "lower": (1.0, 0.0), "rotate": (0.0, 1.0)}
@@ -80,8 +79,7 @@ def director_equilibrium(
         try:
             reached = _newton_with_flow(problem)
         except SolveError as error:
-            slanted = float(np.abs(model.tangent[:, :2]).max()) > SLANTED
-            fallen = HINT if slanted and may_leave_hole(model) else ""
+            fallen = HINT if is_slanted(model) and may_leave_hole(model) else ""
             error.hint = fallen or _free_end_hint(model, found) or error.hint
             raise
     placed, no_lateral_friction = True, False

@@ -14,6 +14,8 @@ from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.unit_systems import System, shown
 
+SLANTED = 1e-3  # horizontal part of the direction of a string that is not vertical
+
 
 def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     """Return the axial velocity [m/s, down positive] and the rotation [rad/s] that the top prescribes at time 0."""
@@ -90,6 +92,11 @@ def hole_at_string(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
         tangent, curvature = np.zeros_like(tangent), np.zeros_like(tangent)
         _, tangent[here], curvature[here] = well.at(depth)
     return tangent, curvature
+
+
+def is_slanted(model: DrillingModel) -> bool:
+    """Whether the string leaves the vertical somewhere, so that its weight has a part across it."""
+    return float(np.abs(model.tangent[:, :2]).max()) > SLANTED
 
 
 def end_is_held(model: DrillingModel) -> bool:

@@ -247,11 +247,14 @@ def campbell(states: TurningModel, sought: Sought, natural: bool = False) -> Cam
 
         return modes_at(states, speed, sought.count, sought.kind, beside)
 
-    found = [at(speeds[0])]
+    found: list[SpeedModes] = []
     pairings: list[Pairing] = []
     budget = len(speeds)
-    for speed in counted(speeds[1:], "speeds", states.model.system.comm.rank):
+    for speed in counted(speeds, "given speeds", states.model.system.comm.rank):
         waiting = [at(speed)]
+        if not found:
+            found.append(waiting.pop())
+            continue
         step = (speed - found[-1].speed) / SMALLEST_STEP
         while waiting:
             here, there = found[-1], waiting[-1]

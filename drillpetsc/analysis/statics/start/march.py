@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from drillpetsc.analysis.statics.checks.slider_travel import travels
-from drillpetsc.analysis.statics.placement import top_depth
+from drillpetsc.analysis.statics.placement import end_is_held, is_slanted, top_depth
 from drillpetsc.analysis.statics.start.march_shape import (
     OnWall,
     frame_across,
@@ -21,7 +21,6 @@ from drillpetsc.analysis.statics.start.march_shape import (
 )
 from drillpetsc.analysis.statics.start.resting_shape import Beam
 from drillpetsc.arrays import FloatArray, halves_at_nodes
-from drillpetsc.case.blocks.ends import HeldBottom
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import hole_depth
@@ -41,6 +40,7 @@ NO_BAND = 5e-3  # width of a band over the largest push, below which the string 
 #: force over which a vertical string coils: 2.65 (EI w^2)^(1/3) (manual: eq-statics-march)
 VERTICAL_FACTOR = 2.65
 LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
+LARGEST_PULL = 1e7  # [N] that is sought below a string whose lower end is held
 BEND_ROUNDS = 3  # of place and shortening by the bends of the hole
 MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
 STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
@@ -366,8 +366,12 @@ def march(
     marcher, case, start = _Marcher(model, motion, coils, rates), model.case, top_depth(model)
     weight = (case.initial.wob or 0.0) if wob is None else wob
     if model.bit is None:
-        held = isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free"
-        if held and model.top.prescribes and case.top.force is None:
+        if end_is_held(model) and case.top.force is not None:
+            bottom = _bottom_force(marcher.column, most=LARGEST_PULL)
+            # pushed in a vertical hole it has no side to lie on: its relaxation from the axis needs no side loads that stay
+            if bottom > 0 or is_slanted(model):
+                return _pulled(marcher, bottom, start)
+        elif end_is_held(model) and model.top.prescribes:
             return _closed(marcher, start)
         return marcher.result(-weight, weight, start)
     if case.top.force is not None:
@@ -408,6 +412,15 @@ def helix_band(
     if high - low < NO_BAND * push:
         return None
     return HelixBand("wob" if case.top.force is not None else "hook_load", low, high)
+
+
+def _pulled(marcher: _Marcher, bottom: float, top: float) -> March:
+    """The march of a string whose lower end is held with the force ``bottom`` [N], and whose top follows from measured depth ``top`` [m]."""
+    end, found = float(marcher.depth[-1]), marcher.result(bottom, 0.0, top)
+    for _ in range(BEND_ROUNDS):  # what bends shorten depends on the place
+        top += end - float(found.measured_depth[-1])
+        found = marcher.result(bottom, 0.0, top)
+    return found
 
 
 def _closed(marcher: _Marcher, top: float) -> March:
@@ -493,8 +506,9 @@ def with_contact(
         twist = np.where(mesh.is_joint, 0.0, torque[1:-1] * mesh.length / mesh.torsional_stiffness)
     more_travel = travels(mesh, tension[1:-1]) - travels(mesh, found.axial_force[1:-1])
     down = np.concatenate([[0.0], np.cumsum((strain - before) * mesh.length + more_travel)])
-    if model.bit is not None and (case.initial.wob is not None or case.top.force is not None):
-        down -= down[-1]  # the bit stays on the bottom, and the top follows
+    follows = case.top.force is not None and (model.bit is not None or end_is_held(model))
+    if follows or (model.bit is not None and case.initial.wob is not None):
+        down -= down[-1]  # the bit stays on the bottom, or a held end at its place, and the top follows
     above, below = _nodal_strains(mesh, strain)
     moved = moved_along(model, found, down)
     unit = moved.tangent / np.linalg.norm(moved.tangent, axis=1, keepdims=True)
@@ -568,14 +582,14 @@ def _radius(model: DrillingModel) -> FloatArray:
     return radius
 
 
-def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR) -> float:
-    """Find the axial force at the bottom [N] that belongs to the given force at the top, by bisection.
+def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR, most: float = 0.0) -> float:
+    """Find the axial force at the bottom [N] that belongs to the given force at the top, by bisection; at most ``most``.
 
     The top's load is among the loads of the first node, so the tension above it vanishes.
     """
-    low, high = -1e7, 0.0
+    low, high = -LARGEST_PULL, most
     if column.run(high, coils_above)[0][0] <= 0:  # friction takes the push, or the top pulls
-        return 0.0
+        return most
     # the force at the top rises with that at the bottom, but with kinks where the string begins to coil
     for _ in range(60):
         middle = 0.5 * (low + high)
