@@ -399,12 +399,13 @@ class WavyHole(Doubt):
 
     def look(self, at: End) -> Values:
         bit = at.model.bit
-        well = bit.drilled_hole() if bit is not None and bit.hole is not None else None
-        if bit is None or well is None or well.depth - bit.hole.start < 2 * WAVE_COURSE:
+        hole, well = (bit.hole, bit.drilled_hole()) if bit is not None else (None, None)
+        if hole is None or well is None or well.depth - hole.start < 2 * WAVE_COURSE:
             return
-        md = np.linspace(bit.hole.start, well.depth, int((well.depth - bit.hole.start) / 0.25) + 2)
+        start = hole.start
+        md = np.linspace(start, well.depth, int((well.depth - start) / 0.25) + 2)
         severity = dogleg_severity(md, np.asarray(well.at(md)[1]), WAVE_COURSE)
-        severity[md < bit.hole.start + WAVE_COURSE] = 0.0  # the kink where the old hole ends
+        severity[md < start + WAVE_COURSE] = 0.0  # the kink where the old hole ends
         worst = int(np.argmax(severity))
         if severity[worst] > SHARPEST:  # a survey with such a bend is refused
             yield {"most": float(severity[worst]), "course": WAVE_COURSE, "md": float(md[worst])}
