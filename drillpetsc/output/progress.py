@@ -69,7 +69,7 @@ class Progress:
         """Print a separate line without breaking the live line."""
         if self.mode == "silent":
             return
-        self._clear()
+        self.clear()
         self._write_line(text)
 
     def finish(self, simulated: float, step: int) -> None:
@@ -77,7 +77,7 @@ class Progress:
         if self.mode == "silent":
             return
         wall = max(time.monotonic() - self._began, 1e-9)
-        self._clear()
+        self.clear()
         self._share = self._share_at(simulated)
         self._write_line(
             f"{self.label}{simulated:.4g} s of {self.end:g} s in {step} steps, {duration(wall)} wall, "
@@ -126,7 +126,8 @@ class Progress:
         receiver(self._share, text)
         self._receiver, self.mode = receiver, "log"
 
-    def _clear(self) -> None:
+    def clear(self) -> None:
+        """Remove the live line."""
         if self._shown:
             self.stream.write("\r\x1b[K")
             self._shown = False

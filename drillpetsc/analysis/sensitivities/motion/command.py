@@ -119,7 +119,6 @@ def _derivatives(
     """Derivatives of all outputs by all keys; those beyond the time up to which they are determined have no number."""
     series, out = repeated.series, []
     until = {at.column: at.until for at in followed}
-    sizes = [np.abs(series.values[:, repeated.columns.index(q.column)]).max() for q in repeated.outputs]
     kinks = [k for k, flag in enumerate(series.flags) if ONE_SIDED in flag]
     sides = {k: repeated.both_sides(series.keys[k]) for k in kinks}
     for i, (q, (value, slopes)) in enumerate(zip(repeated.outputs, repeated.numbers, strict=True)):
@@ -131,11 +130,15 @@ def _derivatives(
             known = q.window[1] <= until[q.column][key.name]
             flag = ", ".join(filter(None, [series.flags[k], "" if known else UNDETERMINED]))
             below, above = sides[k][:, i].tolist() if k in sides else (np.nan, np.nan)
-            slope = float(slopes[k]) if known else np.nan
-            if abs(slope * key.size) <= ROUNDING * sizes[i]:
-                slope = 0.0
+            column_values = series.values[:, repeated.columns.index(q.column)]
+            slope = _without_rounding(float(slopes[k]), key, column_values) if known else np.nan
             out.append(Derivative(Output(quantity), key, value, slope, flag, below, above))
     return out
+
+
+def _without_rounding(slope: float, key: Key, values: FloatArray) -> float:
+    """The derivative of a column with these ``values``, or zero if it is rounding."""
+    return 0.0 if abs(slope * key.size) <= ROUNDING * np.abs(values).max() else slope
 
 
 def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSeries) -> Numbers:
@@ -177,7 +180,10 @@ def _with_looser_steps(
         mine = found[i * count : (i + 1) * count]
         largest = max((abs(d.effect) for d in mine if np.isfinite(d.slope)), default=0.0)
         for k, d in enumerate(mine):
-            other = np.nan if numbers is None else float(numbers[i][1][k]) * d.key.per
+            other = np.nan
+            if coarse is not None and numbers is not None:
+                slope, values = float(numbers[i][1][k]), coarse.values[:, columns.index(q.column)]
+                other = _without_rounding(slope, d.key, values) * d.key.per
             gap = abs(d.effect - other)
             moves = not gap <= max(MOVES * abs(d.effect), SMALL * largest) and np.isfinite(d.slope)
             out.append(replace(d, flag=", ".join(filter(None, [d.flag, STEPS]))) if moves else d)

@@ -25,6 +25,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.column_series import ColumnSeries, ColumnSeriesOfSystems
+from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
 from drillpetsc.physics.bit.rock_bit import RockBit
@@ -261,12 +262,14 @@ class _Run:
         )
         self.times: list[float] = []
         self.steps: list[float] = []
+        self.bar = Progress(0.0, mode="silent")
         self.integrator.after_step.append(self._after_step)
 
     def _after_step(self, t: float, dt: float) -> None:
         """Read the columns at the state of a step to ``t`` [s]: of each step, so that no output depends on the rows of the history."""
         self.steps.append(dt)
         self.times.append(t)
+        self.bar.update(t, len(self.steps), dt)
         if self.tangent is not None:
             self.tangent.balance()
         first = not self.readers.is_read
@@ -277,7 +280,10 @@ class _Run:
     def series(self, end: float) -> RunSeries:
         """Integrate to the ``end`` [s]; collective."""
         began = clock.process_time()
+        label = f"run with derivatives by {len(self.keys)} keys" if self.keys else "run"
+        self.bar = Progress(end, mode="silent" if self.run.comm.rank else "auto", label=label)
         self.integrator.run(0.0, end, self.run.model.breaks)
+        self.bar.clear()
         base, *beside = self.readers.rows()
         slopes, rows = np.zeros((*base.shape, len(self.keys))), iter(beside)
         for k, group in enumerate(self.beside):
