@@ -395,7 +395,7 @@ class WavyHole(Doubt):
         "the new hole has waves, with up to {most:dogleg 3} over {course:length 3} at MD {md:length 5}: its build and turn rates are means "
         "over waves and depend on where the run ends"
     )
-    remedy = "Give a smaller `formation.bit_anisotropy`, more weight on bit, or a more flexible tool between bit and stabilizer."
+    remedy = "A smaller `formation.bit_anisotropy` removes the waves; more weight on bit makes them smaller."
 
     def look(self, at: End) -> Values:
         bit = at.model.bit

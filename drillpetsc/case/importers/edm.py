@@ -304,8 +304,10 @@ def _hole(reader: Any, bore: Any, file: Path, name: str | None, out: Imported) -
 
 
 def _piece_key(section: Any) -> tuple[Any, ...]:
+    """All that ``_pieces`` reads of a section: designs that differ in any of it are different."""
     sizes = ("sect_type_code", "id_casing", "hole_size", "length", "md_shoe")
-    return (*(getattr(section, size) for size in sizes), section.raw.get("cof"))
+    raw = ("md_base", "effective_diameter", "cof")
+    return (*(getattr(section, size) for size in sizes), *(section.raw.get(name) for name in raw))
 
 
 def _pieces(sections: Sequence[Any], file: Path) -> list[Piece]:
