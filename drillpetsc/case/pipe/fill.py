@@ -59,6 +59,8 @@ def fill_to_bit_depth(case: CaseBlocks) -> str:
     if given:
         values |= {"well": _cut(case.well, depth), "bit_depth": None}
     case.fill_defaults(**values)
+    if not filling and abs(first.length - (depth - others)) < SHORTEST:
+        return ""
     bottom = "bit_depth" if given else "the end of the survey"
     return f"{bottom}, {said(depth, 'length')}, less the other items, {said(others, 'length')}"
 

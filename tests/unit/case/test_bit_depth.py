@@ -50,6 +50,13 @@ def test_bit_depth_ends_the_hole_on_its_arc() -> None:
         assert dp.Case(**case_data(found)) == found
 
 
+def test_a_given_length_is_a_figure_of_its_own_only_if_it_changes() -> None:
+    for length, listed in (("fill", True), (1200.0, True), (1160.0, False)):
+        assert (
+            "length" in [figure.key for figure in case(length, bit_depth=1250.0).figures.of_item[0]]
+        ) is listed
+
+
 def test_sections_below_the_bit_are_left_out() -> None:
     found = case(bit_depth=700.0)
     assert found.well is not None and [section.to for section in found.well.sections] == [700]
