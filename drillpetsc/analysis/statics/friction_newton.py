@@ -55,7 +55,7 @@ def _from_lateral_start(problem: StaticProblem) -> float | None:
         try:
             if near:
                 solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
-                solver.newton(report, solver.start_increment, LATERAL_STEPS, near=True)
+                solver.newton(report, solver.start_increment, LATERAL_STEPS, near=buckled)
             else:
                 come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
             problem.set_friction_aside()

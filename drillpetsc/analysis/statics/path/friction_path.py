@@ -41,9 +41,8 @@ SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load 
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
 LONGEST_STEP = 0.4  # distance that it slides in one step [m]; longer implicit steps damp a growing buckle
 RAMP_STEPS = 50  # least steps in which a top force rises on a bit that stands
-#: from a state near its own, where no buckle has to grow: distances that the string slides on, the second one where it has
-#: not settled; longest and first step [m, s]
-SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = (2.0, 8.0), 1.0, 2e-2
+#: from a state near its own, where no buckle has to grow: distance that the string slides on, longest and first step [m, s]
+SLIDES_ON, LONGEST_STEP_ON, FIRST_STEP_ON = 2.0, 1.0, 2e-2
 SLIP_SHARE = 5e-3  # rounding velocity over the top's velocity, if the push is given
 RUN_IN = 5.0  # distance that the string is run in before it is slacked off [m]
 LIFT = 0.2  # height of the bit over the bottom from which the string is slacked off [m]
@@ -119,7 +118,6 @@ class FrictionPath:
         )
         self._anchor = model.top.anchor.copy()
         self.steps, self.most_steps = 0, MOST_STEPS
-        self._longest_done = 0.0  # of the steps so far [s]
         #: (n,) push at the lower end of a string that nothing pushes there, of the largest push of the straight one [N]
         self._obstacle = np.zeros(model.system.layout.size)
 
@@ -194,43 +192,25 @@ class FrictionPath:
     def follow_on(self, largest_push: float) -> PathEnd:
         """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
 
-        The side loads that act now stay, or small ones are added if none act.  The string slides further if it has
-        not settled, or friction alone holds it.
+        The side loads that act now stay, or small ones are added if none act.
         largest_push: along the string [N], with which changes of the force are compared.
         Raises SolveError if a step collapses.
         """
-        asm = self.model.system.assembly
-        if asm.dead_load is not None:
-            self.seeds = asm.dead_load.copy()
+        load = self.model.system.assembly.dead_load
+        self.seeds = self.seeds if load is None else load.copy()
         self._scale = max(self._scale, largest_push, 1.0)
-        self.most_steps, slid = MOST_STEPS_ON, 0.0
+        self.most_steps = MOST_STEPS_ON
         freeze_flow(self.model)
 
         def move() -> tuple[float, float]:
             self._friction(self.sign * SPEED)
-            first = FIRST_STEP_ON if not slid else min(LONGEST_STEP_ON / SPEED, 2 * self._longest_done)
-            log = self._advance(way / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, first=first)
+            log = self._advance(
+                SLIDES_ON / SPEED, lambda t: 1.0, LONGEST_STEP_ON / SPEED, first=FIRST_STEP_ON
+            )
             t, force, _ = np.array(log).T
-            return slid + way, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
+            return SLIDES_ON, abs(float(force[-1] - np.interp(0.5 * t[-1], t, force))) / self._scale
 
-        end = None
-        for way in SLIDES_ON:
-            before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
-            try:
-                end = self._moved("buckled", move)
-            except SolveError:
-                if end is None or not end.steady:
-                    raise
-                before.restore()  # that end is a result: friction alone holds it
-                asm.dead_load, asm.y[:] = load, y
-                self._friction_at_end()
-                self.solver.rows()
-                break
-            slid += way
-            if end.steady and not end.negative_pivots:
-                break
-        assert end is not None
-        return end
+        return self._moved("buckled", move)
 
     def _moved(self, start: str, move: Callable[[], tuple[float, float]]) -> PathEnd:
         """Let ``move`` move the string, and close on the state that it reaches; returns the end of the path.
@@ -415,7 +395,7 @@ class FrictionPath:
                     )
                 continue
             t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
-            self.steps, self._longest_done = self.steps + 1, max(self._longest_done, d)
+            self.steps += 1
             log.append((t, *self._transmitted()))  # the flow's solve leaves no reactions
             if model.fluid is not None and self.steps % FLOW_STEPS == 0:
                 self._renew_flow()

@@ -27,6 +27,7 @@ from drillpetsc.model.hole import hole_depth
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.static_table import at_nodes
 from drillpetsc.parallel import total
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.physics.tools.reamer import Reamer
 
 #: contact force at the top, as a fraction of the load of its node, above which the string is on the wall there
@@ -42,8 +43,8 @@ VERTICAL_FACTOR = 2.65
 LEAST_LOAD = 1e-3  # load per length that holds the string in the middle of the hole, over its weight [-]
 LARGEST_PULL = 1e7  # [N] that is sought below a string whose lower end is held
 BEND_ROUNDS = 3  # of place and shortening by the bends of the hole
-MAX_STANDING_ROUNDS = 40  # of the search for the weight that a held string leaves on the bottom
-STANDING_TOLERANCE = 1e-6  # way of its bit that is left [m]
+STANDING_TOLERANCE = 1e-6  # way that is left of the bit of a held string to the bottom [m]
+FORCE_TOLERANCE = 1e-3  # at the bottom under a given force at the top [N]
 CRUSHING_STRAIN = 0.01  # a push that compresses the string by more means that no push passes [-]
 #: largest rotation of a helix within one element, so that the mesh can represent it [rad]
 MAX_ROTATION = 0.45 * np.pi
@@ -443,24 +444,16 @@ def _closed(marcher: _Marcher, top: float) -> March:
     if gap == 0.0 or (bit is not None and gap > 0):  # the bit hangs free above the bottom
         return found
     most = 2 * CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint].max())
-    near, miss_near, far = 0.0, gap, -gap / axial_compliance(mesh)
-    miss_far, found = gap_under(far)
+    compliance = axial_compliance(mesh)
+    near, far = 0.0, -gap / compliance
     # friction and coils make the string softer or stiffer than its pipe: the guess need not reach beyond the root
-    while miss_far * gap > 0:
+    while (there := gap_under(far))[0] * gap > 0:
         if abs(far) > most:
-            return found  # no push shortens the string that much
-        near, miss_near, far = far, miss_far, 2 * far
-        miss_far, found = gap_under(far)
-    for _ in range(MAX_STANDING_ROUNDS):  # regula falsi with the Illinois rule
-        middle = (near * miss_far - far * miss_near) / (miss_far - miss_near)
-        miss, found = gap_under(middle)
-        if abs(miss) <= STANDING_TOLERANCE or abs(far - near) <= 1e-6 * abs(far):
-            break
-        if miss * gap > 0:
-            near, miss_near, miss_far = middle, miss, 0.5 * miss_far
-        else:
-            far, miss_far, miss_near = middle, miss, 0.5 * miss_near
-    return found
+            return there[1]  # no push shortens the string that much
+        near, far = far, 2 * far
+    return gap_under(
+        bracketed_root(lambda push: gap_under(push)[0], near, far, STANDING_TOLERANCE / compliance, 1e-6)
+    )[1]
 
 
 def axial_compliance(mesh: StringMesh) -> float:
@@ -583,23 +576,16 @@ def _radius(model: DrillingModel) -> FloatArray:
 
 
 def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR, most: float = 0.0) -> float:
-    """Find the axial force at the bottom [N] that belongs to the given force at the top, by bisection; at most ``most``.
+    """Find the axial force at the bottom [N] that belongs to the given force at the top; at most ``most``.
 
     The top's load is among the loads of the first node, so the tension above it vanishes.
     """
-    low, high = -LARGEST_PULL, most
-    if column.run(high, coils_above)[0][0] <= 0:  # friction takes the push, or the top pulls
-        return most
-    # the force at the top rises with that at the bottom, but with kinks where the string begins to coil
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if column.run(middle, coils_above)[0][0] > 0:
-            high = middle
-        else:
-            low = middle
-        if high - low < 1e-3:
-            break
-    return 0.5 * (low + high)
+
+    def top(bottom: float) -> float:
+        return float(column.run(bottom, coils_above)[0][0])
+
+    # friction takes the push, or the top pulls
+    return most if top(most) <= 0 else bracketed_root(top, -LARGEST_PULL, most, FORCE_TOLERANCE)
 
 
 def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
