@@ -584,8 +584,11 @@ def _bottom_force(column: _Column, coils_above: float = HELIX_FACTOR, most: floa
     def top(bottom: float) -> float:
         return float(column.run(bottom, coils_above)[0][0])
 
-    # friction takes the push, or the top pulls
-    return most if top(most) <= 0 else bracketed_root(top, -LARGEST_PULL, most, FORCE_TOLERANCE)
+    if top(most) <= 0:  # friction takes the push, or the top pulls
+        return most
+    return (
+        -LARGEST_PULL if top(-LARGEST_PULL) > 0 else bracketed_root(top, -LARGEST_PULL, most, FORCE_TOLERANCE)
+    )
 
 
 def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
