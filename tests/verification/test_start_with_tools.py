@@ -18,6 +18,7 @@ from drillpetsc.fem.string_mesh import JarLaw, StringJoint
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.tools.reamer import Reamer
+from drillpetsc.solvers.static.search_limit import SearchLimit
 from drillpetsc.solvers.static.static_newton import StaticNewton
 from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.verification.test_lateral_start import MUD, counted
@@ -99,7 +100,7 @@ def test_weight_at_which_a_string_on_a_bit_that_cuts_buckles(wob, buckles, monke
         return state
 
     monkeypatch.setattr(lateral_start, "lateral_state", noted)
-    lateral_start.lateral_start(model, straight, (0.0, 3.0))
+    lateral_start.lateral_start(model, straight, (0.0, 3.0), None, SearchLimit())
     assert found[-1] == buckles
     # the whole model, straight
     solver = StaticNewton(model.system, clearance=0.05)
