@@ -107,8 +107,9 @@ class FluidComponents:
         pressure, line = self.bore.upper_pressure_of(steps), self.surface_line
         if line is None:
             return pressure
-        lost = {q: line.loss(q) for q in set(flow.tolist())}  # a pump's flow is the same in most steps
-        return np.asarray(pressure + [lost[q] for q in flow.tolist()])
+        rates = flow.tolist()
+        lost = {q: line.loss(q) for q in dict.fromkeys(rates)}  # a pump's flow is the same in most steps
+        return np.asarray(pressure + [lost[q] for q in rates])
 
 
 def usual_sizes(case: Case, mesh: StringMesh) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from drillpetsc.geometry.hole_steps import HoleSteps
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from drillpetsc.output.watches.axial_strain import largest_strain
 
 BENDING, WEIGHT, CLEARANCE = 1.2240289e6, 242.0, 0.04445
 AREA = 3.4047325e-3
@@ -357,6 +358,16 @@ def test_swirl_is_named_for_a_string_that_turns(motion, told, tmp_path):
     """A string that is hoisted without rotation was told of a torque that the swirl would add to 0.3 N m (1e5 %)."""
     found = statics(load_case("cases/field/metric.yaml"), tmp_path / "out", motion=motion)
     assert any("mud that swirls" in text for text in found.summary["warnings"]) is told
+
+
+def test_elements_below_rigid_items_are_not_strained() -> None:
+    """A string as it was made has no strain, also where an element begins at the lower end of a body or stabilizer."""
+    body = {"kind": "body", "length": 1.0, "mass": 100.0, "od": 0.1}
+    pipe = {"kind": "pipe", "length": 40.0, "od": 0.127, "id": 0.1086, "element_length": 4.0}
+    case = Case(string=[pipe, body, pipe, body, pipe], top="clamped", gravity=9.81)
+    model = build_model(case)
+    place_along_hole(model)
+    assert abs(largest_strain(model)[0]) < 1e-9
 
 
 @pytest.mark.parametrize("thin", [True, False])

@@ -27,6 +27,7 @@ from drillpetsc.analysis.motion.run_control import (
     RunControl,
 )
 from drillpetsc.analysis.motion.time_scales import time_scales
+from drillpetsc.analysis.statics.answer import flow_summary
 from drillpetsc.analysis.statics.checks.freed_weight import freed_weight
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.case.case import Case
@@ -217,7 +218,7 @@ class TransientRun:
         model, saved, from_statics = self.model, self.saved, self.case.initial.from_ == "statics"
         return Start(
             model=model,
-            figures={"hook_load": -model.system.reaction("top.axial_reaction")}
+            figures={"hook_load": -model.system.reaction("top.axial_reaction"), **flow_summary(model)}
             if saved is None and from_statics
             else {},
             fixed_step=self.fixed_step,

@@ -210,6 +210,7 @@ def _without_side_loads(problem: StaticProblem, reached: float) -> None:
         if stable:
             break
         restore()
+        solver.limit.begin_again()
     problem.impose(reached)
 
 

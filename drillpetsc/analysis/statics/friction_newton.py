@@ -117,6 +117,7 @@ def _by_relaxation(problem: StaticProblem) -> float:
     if saddle is None:
         raise failure
     saddle[0]()  # it says so
+    solver.limit.begin_again()
     return saddle[1]
 
 
@@ -131,7 +132,7 @@ def _with_side_force(problem: StaticProblem, first: float, full: float, climbs: 
     climbs: relax if Newton's method fails.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    solver.limit.used = 0.0  # there is a state: the limit of the search is none of its side force and flow
+    solver.limit.begin_again()  # there is a state: the limit of the search is none of its side force and flow
     if full == first:
         return full if problem.moves else problem.fraction
     restore = problem.save()
@@ -144,6 +145,7 @@ def _with_side_force(problem: StaticProblem, first: float, full: float, climbs: 
         return full
     except SolveError:
         restore()
+        solver.limit.begin_again()
         return first
     finally:
         problem.set_friction_aside()

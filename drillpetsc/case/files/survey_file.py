@@ -47,9 +47,9 @@ def read_survey(name: str, rules: Rules) -> Stations:
 
 def _file(name: str) -> tuple[Path, str, bool]:
     """(file, sheet or "", whether a run wrote it), searched beside the case file, then in the working directory."""
-    folder = find_file(name, os.path.isdir)
-    if folder is not None:
-        run = folder / "trajectory.csv"
+    found = find_file(name, os.path.exists)
+    if found is not None and found.is_dir():
+        run = found / "trajectory.csv"
         if not run.is_file():
             raise refuse(got=name, want="a survey file, or a run folder that holds a trajectory.csv")
         return run, "", True

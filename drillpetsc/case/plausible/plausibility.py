@@ -140,6 +140,7 @@ def _reads_as_radians(survey: Survey) -> bool:
         len(tilted) < LEAST_RISING
         or max(inclination) < math.radians(30)
         or any(inclination[k] < inclination[i] for i, k in itertools.pairwise(tilted))
+        or len({inclination[i] for i in tilted}) < LEAST_RISING - 1  # a hold at the end
     ):
         return False
     return all(

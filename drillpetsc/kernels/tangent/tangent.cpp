@@ -223,7 +223,7 @@ void add_besides(const TangentCall& c) {
         const double* along = c.along + (long)q.key * c.length;
         for (int i = q.low; i < q.high; ++i) x[i] = s.x[i] - q.change * along[i];
         for (int p = 0; p < q.part_count; ++p)
-            if (!same_everywhere(q.parts[p])) add_parts(1, q.parts + p, q.parts[p].moved ? x : s.x, s.y, s.a, r);
+            if (q.parts[p].moved || !same_everywhere(q.parts[p])) add_parts(1, q.parts + p, q.parts[p].moved ? x : s.x, s.y, s.a, r);
         for (int i = q.first; i < q.last; ++i) rows[i] += q.weight * r[i];
     }
 }

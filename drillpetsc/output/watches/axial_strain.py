@@ -20,9 +20,13 @@ def largest_strain(model: DrillingModel) -> tuple[float, int]:
     left_out = mesh.is_joint[cells] | given[mesh.item[cells]]
     length = np.where(left_out, 1.0, mesh.length[cells])
     below = tangent[upper]  # a junction has the tangent of the pipe above it
+    # below a rigid item, the element begins at the item's lower end
+    start = position[upper] + mesh.rigid_above[cells, None] * below / np.linalg.norm(
+        below, axis=1, keepdims=True
+    )
     if "string.ratio" in system.layout.dofs:
         below = below * system.field("string.ratio")[upper]
-    middle = 1.5 * (position[lower] - position[upper]) / length[:, None] - 0.25 * (tangent[lower] + below)
+    middle = 1.5 * (position[lower] - start) / length[:, None] - 0.25 * (tangent[lower] + below)
     strain = np.where(left_out, 0.0, np.linalg.norm(middle, axis=1) - 1)
     worst = int(np.argmax(np.abs(strain), axis=0)) if len(strain) else 0
     found = (float(strain[worst]), int(cells[worst])) if len(strain) else (0.0, 0)

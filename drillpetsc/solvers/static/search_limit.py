@@ -28,6 +28,10 @@ class SearchLimit:
         self.most = np.inf if nodes is None else max(1, MOST_WORK // (nodes + FIXED_NODES))
         self.used = 0.0
 
+    def begin_again(self) -> None:
+        """Forget what was counted: a state is held, and further work only adds to it."""
+        self.used = 0.0
+
     def count(self, share: float = 1.0) -> None:
         """Count one factorisation, or a ``share`` of one; raises SearchEnded beyond the limit."""
         self.used += share

@@ -228,6 +228,7 @@ def test_a_plan_in_radians_with_one_azimuth_is_doubted():
         (np.degrees(plan), 45.0, False),
         (0.3 * plan, np.radians(45), False),
         (plan[[0, 1, 2, 3, 4, 5, 4, 3]], np.radians(45), False),
+        (np.full(8, 0.6), 3.0, False),  # a nearly vertical hold
     ):
         lines = doubts(**survey_of(md, [float(q) for q in tilt], [float(turn)] * len(md)))
         assert any("were rad meant?" in line for line in lines) is doubted
