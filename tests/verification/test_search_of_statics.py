@@ -125,6 +125,18 @@ def test_a_search_ends_with_a_reason(monkeypatch):
     assert "less weight" in caught.value.hint
 
 
+def test_a_state_that_was_found_outlives_the_limit(monkeypatch):
+    """A column under 3.9 buckling loads: straight, it is an unstable state, and the search beyond it ends at its limit."""
+    rod = {"kind": "beam", "length": 30.0, "element_length": 1.5, "mass": 30.0, "polar_inertia": 0.1}
+    stiffness = {"axial_stiffness": 1e9, "bending_stiffness": 1e6, "torsional_stiffness": 8e5}
+    top = {"kind": "top_drive", "rotation": 0.0, "hinged": True, "force": -3.9 * np.pi**2 * 1e6 / 30**2}
+    initial = {"imperfection": 1e-3}
+    column = Case(string=[rod | stiffness], gravity=0.0, initial=initial, top=top, bottom="pinned")
+    monkeypatch.setattr(search_limit, "MOST_WORK", 5 * (21 + search_limit.FIXED_NODES))
+    state = find_equilibrium(build_model(column))
+    assert state.equilibrium.negative_pivots == 2 and not state.stable
+
+
 def test_a_path_that_was_asked_for_has_no_limit(monkeypatch):
     """A user who asks for a path waits for it."""
     monkeypatch.setattr(search_limit, "MOST_WORK", 1)
