@@ -53,7 +53,11 @@ def override(data: Mapping[str, Any], change: str) -> dict[str, Any]:
         ):
             raise _no_such_path(path, depth, target)
         if depth == len(path) - 1:
-            target[step] = read_value(value)
+            try:
+                target[step] = read_value(value)
+            except CaseError as error:
+                hint = error.hint or f"{key.strip()}=off leaves the key out"
+                raise CaseError(at=key.strip(), got=error.got, want=error.want, hint=hint) from None
         else:
             target = target.setdefault(step, {}) if isinstance(target, dict) else target[step]
     return result

@@ -55,6 +55,7 @@ def test_keys_and_blocks_are_changed(case, tmp_path, capsys):
         ),
         ("material[0]=1", "material is a block and no list"),
         ("material=off", "on and off only for a block of physics"),
+        ("time=", "time=off leaves the key out"),
     ],
 )
 def test_bad_changes(change, said, case, capsys):

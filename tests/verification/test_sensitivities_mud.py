@@ -201,3 +201,19 @@ def test_refusals(changes, said):
     with pytest.raises(CaseError) as error:
         RunOfCase(case, PETSc.COMM_SELF)
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("rheology", "told"),
+    [
+        ({"model": "power_law", "consistency": 0.5, "index": 0.7}, True),
+        ({"model": "newtonian", "viscosity": 0.5}, False),
+    ],
+)
+def test_mud_at_rest_has_a_word(rheology: dict[str, object], told: bool, tmp_path) -> None:
+    """K Q^n has no derivative at rest unless n = 1: the number follows from the rounding of the stress."""
+    case = bore("bdf", 0.5, 0.05, rheology=rheology, flow_rate=0.0)
+    question = Question("run", ["pump_pressure.mean"], ["fluid.flow_rate"])
+    run_sensitivities(Job(case, tmp_path / "out"), question)
+    notes = json.loads((tmp_path / "out" / "summary.json").read_text())["notes"]
+    assert any("mud is at rest" in note and "shear_rate" in note for note in notes) is told

@@ -17,7 +17,7 @@ from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.motion.command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
-from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect
+from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect, zero_flows
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
@@ -86,7 +86,7 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     warnings = [sentence for at in compared for sentence in doubts_at(at)]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     differentiated = Differentiated(
-        case, question.analysis, one_sided, without_effect(found), solution.left_out
+        case, question.analysis, one_sided, without_effect(found), solution.left_out, zero_flows(found)
     )
     notes = [*solution.notes, *doubts_at(differentiated)]
     rows = [row_of(d) for d in found]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.case.blocks.fluid import Newtonian
 from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 
 DISAGREES = 1e-4  # error of a derivative, relative, above which it is reported
@@ -23,12 +24,14 @@ class Differentiated(CaseMoment):
 
     analysis: statics, roadmap, hydraulics or run; one_sided: some derivatives have a kink beside them; without: keys without effect.
     left_out: why rows at a bit depth [m] have no derivative.
+    zero_flows: keys that are flow rates of zero.
     """
 
     analysis: str
     one_sided: bool
     without: list[str]
     left_out: dict[float, str]
+    zero_flows: list[str]
 
     @property
     def named(self) -> str:
@@ -135,6 +138,19 @@ class Disagrees(Doubt):
                 "derivative": at.derivative,
                 "difference": at.difference,
             }
+
+
+class FlowAtRest(Doubt):
+    """The friction of a mud that is not Newtonian has no derivative by its flow rate at rest, but for the rounding of its stress."""
+
+    about = (Differentiated,)
+    sentence = "the mud is at rest: derivatives by {keys} follow from the rounding of its stress at small shear rates (fluid.rheology.shear_rate)"
+    remedy = "Take them at a flow rate that is pumped, where the rounding has no part."
+
+    def look(self, at: Differentiated) -> Iterable[dict[str, Any]]:
+        mud = at.case.fluid
+        if at.zero_flows and mud is not None and not isinstance(mud.rheology, Newtonian):
+            yield {"keys": ", ".join(at.zero_flows)}
 
 
 class LeftOut(Doubt):

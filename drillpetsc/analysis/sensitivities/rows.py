@@ -40,6 +40,11 @@ def row_of_check(at: Checked) -> dict[str, Any]:
     }
 
 
+def zero_flows(found: Sequence[Derivative]) -> list[str]:
+    """Keys that are flow rates of zero."""
+    return list(dict.fromkeys(d.key.name for d in found if d.key.unit == "m3/s" and not d.key.value))
+
+
 def without_effect(found: Sequence[Derivative]) -> list[str]:
     """Keys that change none of the outputs."""
     effective = {d.key.name for d in found if d.slope}

@@ -16,7 +16,7 @@ from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import TOLERANCE, RunOfCase, RunSeries, converged
-from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect
+from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect, zero_flows
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -92,7 +92,7 @@ def run_sensitivities_of_run(
         skipped=series.skipped,
         units=case.shown_units,
         warnings=[sentence for at in moments for sentence in doubts_at(at)],
-        notes=doubts_at(Differentiated(case, "run", one_sided, without_effect(found), {})),
+        notes=doubts_at(Differentiated(case, "run", one_sided, without_effect(found), {}, zero_flows(found))),
     ).as_dict()
     folder = job.make_folder()
     if job.comm.rank == 0:
