@@ -3,34 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import yardstick_score as yard
-
-Answers = dict[str, dict[str, Any]]
-
-
-def answer_with(solvers: dict[str, Any], names: list[str]) -> Answers:
-    """Answers of a program: a function a problem; one that fails is told in a note and leaves its quantities open."""
-    answers: Answers = {}
-    for name in names:
-        start = time.perf_counter()
-        try:
-            found = dict(solvers[name](yard.load(name)))
-        except Exception as error:
-            found = {"note": f"failed: {type(error).__name__}: {error}"}
-        answers[name] = {**found, "seconds": round(time.perf_counter() - start, 3)}
-        print(f"{name}: {answers[name]['seconds']} s", file=sys.stderr)
-    return answers
-
-
-def write(answers: Answers, out: Path) -> None:
-    """Write an answer file."""
-    out.write_text(json.dumps(answers, indent=1) + "\n", encoding="utf-8")
 
 
 def main() -> None:
@@ -57,6 +32,7 @@ def main() -> None:
         for name in names:
             yard.load(name)
         import yardstick_drillpetsc as ours  # scores need neither drillpetsc nor PETSc
+        from yardstick_common import answer_with, write
 
         write(answer_with(ours.SOLVERS, names), given.out)
     except (ValueError, OSError) as error:  # a file that is missing, is not JSON or names what is not asked

@@ -12,7 +12,6 @@ from numpy.polynomial import Polynomial
 from numpy.polynomial.legendre import Legendre, leggauss
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "tools"))
-import yardstick  # noqa: E402
 import yardstick_common as common  # noqa: E402
 import yardstick_score as yard  # noqa: E402
 
@@ -122,7 +121,7 @@ def test_a_failure_is_a_note() -> None:
     def fails(problem: yard.Problem) -> dict:
         raise RuntimeError("diverged")
 
-    found = yardstick.answer_with({"fritz": fails}, ["fritz"])["fritz"]
+    found = common.answer_with({"fritz": fails}, ["fritz"])["fritz"]
     assert found["note"] == "failed: RuntimeError: diverged" and "seconds" in found
 
 
