@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ContactFlags, ElementBlock, Field
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Field
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -368,6 +368,10 @@ class RockBit(Bit):
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
+    def follow(self, leader: Component) -> None:
+        assert isinstance(leader, RockBit)
+        self.hole.leader = leader.hole
+
     @property
     def remembers(self) -> bool:
         cuts = self.profiled or any(layer.drillability for layer in self.rock.layers)
