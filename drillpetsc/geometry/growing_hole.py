@@ -33,6 +33,8 @@ class GrowingHole:
 
     before_change: functions that are called before the hole changes.
     followers: functions that are called with the new well whenever the hole changes.
+    leader: hole of a run beside which this one is; this one grows, fixes nodes and is reamed whenever that one does, never by
+    its own length.
     """
 
     def __init__(self, well: Well, half: float, radius: float, friction: float, interval: float = 0.5):
@@ -43,6 +45,9 @@ class GrowingHole:
         self.followers: list[Callable[[Well], None]] = []
         self.path_start = self.start - half - 0.5 * KINK * interval
         self._frozen = _centreline_down_to(well, self.path_start)
+        self._old_nodes = len(self._frozen.node_md)
+        self.leader: GrowingHole | None = None
+        self._grown, self._reamed_often = 0, dict[int, int]()  # how often; by number of the section
         s = self.start - half + np.linspace(-2 * interval - 1.0, 0.0, 17)
         position, tangent, _ = well.at(s)
         # rows: measured depth [m], position [m] and direction of the end
@@ -71,12 +76,18 @@ class GrowingHole:
     def widen(self, section: int) -> None:
         """Let the end of a ``section`` of the hole at the start move down with a reamer (``widen_to``)."""
         self._reamed_to[section] = self._reamed_shown[section] = float(self.original.section_to[section])
+        self._reamed_often[section] = 0
 
     def widen_to(self, section: int, distance: float) -> bool:
         """Put the end of a reamed ``section`` ``distance`` [m] below its place at the start; returns whether the hole changes."""
         self._reamed_to[section] = float(self.original.section_to[section]) + distance
-        if abs(self._reamed_to[section] - self._reamed_shown[section]) < SMALLEST_GROWTH:
+        if self.leader is not None:
+            changes = self.leader._reamed_often[section] > self._reamed_often[section]
+        else:
+            changes = abs(self._reamed_to[section] - self._reamed_shown[section]) >= SMALLEST_GROWTH
+        if not changes:
             return False
+        self._reamed_often[section] += 1
         self._announce()
         self._show(self._unreamed)
         for call in self.followers:
@@ -108,6 +119,8 @@ class GrowingHole:
 
     def grows_to(self, drilled: float) -> bool:
         """Whether the hole changes with a length ``drilled`` [m] of new hole."""
+        if self.leader is not None:
+            return self.leader._grown > self._grown
         return drilled - self._drilled >= SMALLEST_GROWTH
 
     def follow(self, drilled: float, position: FloatArray) -> bool:
@@ -118,19 +131,15 @@ class GrowingHole:
         if not self.grows_to(drilled):
             return False
         self._announce()
-        self._drilled = drilled
+        self._drilled, self._grown = drilled, self._grown + 1
         s = self.start - self.half + drilled
         tangent = self._tangent(s, position)
         self._trail = np.vstack([self._trail, [s, *position, *tangent]])
-        # independent of the time steps
-        node, reach = self._next_node()
-        while s >= node + reach:
-            self._freeze(node, reach)
-            node, reach = self._next_node()
+        while self._reaches(*self._next_node()):  # independent of the time steps
+            self._freeze(*self._next_node())
         # this length is enough for the directions of coming nodes
         self._trail = self._trail[self._trail[:, 0] > s - 4 * self.interval - 1.0]
-        live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        self._show(self._longer(self._frozen, s, position, tangent) if live else self._frozen)
+        self._show(self._longer(self._frozen, s, position, tangent) if self._is_live else self._frozen)
         for call in self.followers:
             call(self.well)
         return True
@@ -160,7 +169,7 @@ class GrowingHole:
         """
         longer, old = well.extended(s, position, tangent), self.original
         same = (self.radius, self.friction) == (old.section_radius[-1], old.section_friction[-1])
-        if same or s - old.depth < SHORTEST_SECTION:
+        if same or not self._is_section(len(well.node_md) - self._old_nodes, s):
             return longer
         return replace(
             longer,
@@ -169,6 +178,32 @@ class GrowingHole:
             section_friction=np.r_[old.section_friction, self.friction],
             section_kind=(*old.section_kind, "open_hole"),
         )
+
+    def _is_section(self, node: int, s: float) -> bool:
+        """Whether new hole is a section down to its ``node`` at ``s`` [m]."""
+        if self.leader is not None:
+            nodes = self.leader._frozen.node_md[self.leader._old_nodes :]
+            return self.leader._is_section(
+                node, nodes[node] if node < len(nodes) else self.leader._trail[-1, 0]
+            )
+        return bool(s - self.original.depth >= SHORTEST_SECTION)
+
+    @property
+    def _fixed_nodes(self) -> int:
+        return len(self._frozen.node_md) - self._old_nodes
+
+    def _reaches(self, node: float, reach: float) -> bool:
+        """Whether the hole goes on by ``reach`` below the next ``node`` [m]."""
+        if self.leader is not None:
+            return self.leader._fixed_nodes > self._fixed_nodes
+        return bool(self._trail[-1, 0] >= node + reach)
+
+    @property
+    def _is_live(self) -> bool:
+        """Whether the end of the trail is a node of the hole."""
+        if self.leader is not None:
+            return self.leader._is_live
+        return bool(self._trail[-1, 0] - self._frozen.node_md[-1] > 0.04 * self.interval)
 
     def _next_node(self) -> tuple[float, float]:
         """Return the measured depth of the next node and the reach of its chord [m].
@@ -255,8 +290,7 @@ class GrowingHole:
             np.array(state["first"]),
         )
         s, end = self._trail[-1, 0], self._trail[-1]
-        live = s - self._frozen.node_md[-1] > 0.04 * self.interval
-        unreamed = self._longer(self._frozen, s, end[1:4], end[4:7]) if live else self._frozen
+        unreamed = self._longer(self._frozen, s, end[1:4], end[4:7]) if self._is_live else self._frozen
         self._unreamed = unreamed if self._drilled > 0.0 else self.original
         if "reamed" in state:
             self._reamed_shown = {int(section): float(end) for section, end in state["reamed"]}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,11 @@ class ColumnSeries:
         self._now.append(self._row.numbers_now())
         if len(self._record) >= self._record.capacity:
             self._catch_up()
+
+    def before_hole_changes(self, call: Callable[[], None]) -> None:
+        """Call a function before the hole of the model grows."""
+        if (bit := self._recorder.model.bit) is not None and bit.hole is not None:
+            bit.hole.before_change.append(call)
 
     @property
     def unknowns_read(self) -> IntArray | None:
@@ -85,6 +90,8 @@ class ColumnSeriesOfSystems:
         #: whether the first step was read; unknowns on which all rows depend, None if compiled code does not suffice
         self.is_read = False
         self.unknowns_read: IntArray | None = None
+        # places are found in the hole at their time; the hole of the first model is the first to grow
+        series[0].before_hole_changes(self._hand_over)
 
     def add(self, t: float) -> None:
         """Read the present states of all models; ``t``: of their inputs [s]; collective."""
@@ -117,6 +124,5 @@ class ColumnSeriesOfSystems:
 
     def rows(self) -> list[FloatArray]:
         """(m, columns) the rows of each model, the same on all ranks; collective."""
-        if self._times:
-            self._hand_over()
+        self._hand_over()
         return [one.rows() for one in self.series]

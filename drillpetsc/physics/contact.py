@@ -339,6 +339,8 @@ class Contact(Component):
         self._packed = np.ascontiguousarray(well.packed())
         for record in self._laws:
             record.well = pointer(self._packed)
+        for b in self._blocks:
+            b.constants = self.law, self._packed, b.constants[-1]
         self._forget_clearances()
 
     def _forget_clearances(self) -> None:

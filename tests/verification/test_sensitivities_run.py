@@ -210,17 +210,18 @@ def test_a_start_with_a_kink_is_flagged(tmp_path):
 
 
 def test_all_keys_leave_out_what_cannot_be_followed(tmp_path):
-    """Drillability of zero has a neighbour whose hole grows; named alone, it is refused."""
+    """The bore of a solid bit cannot change; named alone, it is refused."""
     case = Case(**(rock_bit("bdf")._given.keys | {"time": {"end": 0.2, "integrator": "bdf"}}))
     run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["surface_torque.mean"], [], every=True))
     summary = json.loads((tmp_path / "r/summary.json").read_text())
-    assert "hole grows" in summary["skipped"]["formation.drillability"]
+    assert "can change a little" in summary["skipped"]["string[1].id"]
     found = {row["key"]: row for row in summary["sensitivities"]}
     assert len(found) > 30 and not set(found) & set(summary["skipped"])
     assert found["top.rotation.value[1]"]["relative"] == pytest.approx(1.0, abs=1e-3)
+    assert found["formation.drillability"]["flag"] == "limit"
     with pytest.raises(CaseError) as error:
-        run_sensitivities(Job(case, tmp_path / "s"), Question("run", [], ["formation.drillability"]))
-    assert error.value.got == "formation.drillability" and "hole grows" in error.value.want
+        run_sensitivities(Job(case, tmp_path / "s"), Question("run", [], ["string[1].id"]))
+    assert error.value.got == "string[1].id" and "can change a little" in error.value.want
 
 
 def test_chaos_has_no_number_and_a_warning(tmp_path):
@@ -278,14 +279,6 @@ def test_a_key_without_effect_has_zero_and_a_word():
     ("changes", "said"),
     [
         ({"time": None}, "end"),
-        (
-            {
-                "formation": {"drillability": 2.8e-8},
-                "bottom": {"kind": "bit"},
-                "initial": {"from": "statics", "wob": 5e4},
-            },
-            "hole grows",
-        ),
     ],
 )
 def test_refusals(changes, said):

@@ -33,6 +33,7 @@ USUAL_SIZE = {
     "rad": 0.01,
     "1/m": 1e-3,
     "m/s": 0.1,
+    "m/(s N)": 1e-8,
 }
 #: blocks and keys that set the numerics or the output -> why they are refused
 NUMERICS = {

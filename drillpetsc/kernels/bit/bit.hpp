@@ -2,7 +2,7 @@
 //
 // Unknowns r, v, phi of the last node; e (3) displacement of the hole's end and s metres drilled, both since the start; chips (N): the rock's
 // profile ahead of a blade (drag bit in motion only); u over-gauge of the hole beside the bit (a wall that gives way only).
-//   bottom   depth_b = (x_c - h).t_h + |t_h|_Q - c,   Q = a^2 (I - e_b e_b^T) + c^2 e_b e_b^T   (x_c centre of the ellipsoid, h = END + e)
+//   bottom   depth_b = (x_c - h).t_h + |t_h|_Q - c,   Q = a^2 (I - e_b e_b^T) + c^2 e_b e_b^T   (x_c centre of the ellipsoid, h = END + TURNED + e)
 //   side     depth_s = rho + |n|_Q - (a + clearance + u),   u' = [N - N_y]_+ / eta - u |v|/l_g   (a wall that gives way), or u = 0
 //            guided: friction does not push the bit round the hole; in gauge the side is a spring towards the axis, depth_s = rho
 //   hole     e' = v(F),  s' = |v|                      (state)   or e, s held and moved between the steps (post_step)
@@ -175,7 +175,8 @@ struct Bit {
         ANGLE = HOLD + 4,        // spin angle phi0 from which a pattern counts [rad]
         GUIDED,                  // 1: friction of the side does not push the bit round the hole
         STRENGTH, RELAXATION, GAUGE,  // of a side that gives way: N_y [N], eta [N s/m], l_g [m]
-        NP)
+        TURNED,                  // 3: displacement of the end as its direction turns [m]
+        NP = TURNED + 3)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {
@@ -200,7 +201,8 @@ struct Bit {
         const Vec<double> axis = vec(p + AXIS);
         const Vec<T> hole_speed = held ? zero : vec(y + HOLE);
         const Vec<T> speed = vec(y) + t.t1 * p[CENTRE];
-        const Vec<T> e = vec(x) + t.t * p[CENTRE] - vec(x + HOLE) - vec(p + END);
+        // depths below the surface first: their difference is exact
+        const Vec<T> e = (vec(x) - vec(p + END)) + (t.t * p[CENTRE] - vec(x + HOLE) - vec(p + TURNED));
         const T omega = moving ? y[6] : T(p[SPIN]);
         const double a = p[RADIUS], c = p[HALF], squeeze = c * c - a * a;
 

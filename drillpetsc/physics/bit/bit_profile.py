@@ -54,4 +54,4 @@ def chip_for(weight: float, cut: float, flat: float, onset: float) -> float:
         u = np.clip(d / onset, 0.0, 1.0)
         return float(cut * d + flat * u * u * (3 - 2 * u) - weight)
 
-    return bracketed_root(miss, 0.0, weight / cut)
+    return bracketed_root(miss, 0.0, weight / cut, 0.0)  # to rounding: its derivative is a difference

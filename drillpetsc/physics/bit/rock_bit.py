@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import ContactFlags, ElementBlock, Field
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Field
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -88,9 +88,7 @@ class RockBit(Bit):
         self._made = self._law_record()
         self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
         self._time = self._accepted = 0.0
-        self._turned = np.zeros(
-            3
-        )  # displacement of the bottom that keeps the bit's depth as its axis turns [m]
+        self._turned = np.zeros(3)  # displacement of the end as its direction turns [m]
         self._end = np.zeros(
             4
         )  # displacement of the hole's end (3) and metres drilled at the last accepted step
@@ -161,6 +159,12 @@ class RockBit(Bit):
             r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # the bit breaks loose at this speed
         return r
 
+    def _constants(self) -> tuple[Any, ...]:
+        """Numbers of the record."""
+        numbers = [getattr(self._made, name) for name, kind in _Law._fields_ if kind is ctypes.c_double]
+        tables = [getattr(self, name, None) for name in ("_orders", "_derivative")]
+        return (np.array(numbers), self._layers, *(t for t in tables if t is not None))
+
     def fields(self) -> tuple[Field, ...]:
         free = not self.rock.post_step
         scale = 1e-3
@@ -221,6 +225,7 @@ class RockBit(Bit):
             held=self.rock.post_step,
             hold=0.0,
             angle=0.0,
+            turned=0.0,
             **c.side.parameters(),
         )
         kernel = "bit_rock_profile" if self.profiled else "bit_rock_pattern" if self.pattern else "bit_rock"
@@ -235,6 +240,8 @@ class RockBit(Bit):
             (0,),
             self.params.array,
             context=ctypes.addressof(self._made),
+            constants=() if self.own_laws else self._constants(),
+            remembers=True,
             update=self._note if self.remembers else None,
         )
         self._follow()
@@ -333,7 +340,7 @@ class RockBit(Bit):
         reach = np.sqrt(s.radius**2 + squeeze * tilt**2)
         gradient[i[:3]] = axis
         gradient[i[3:6]] = (to_centre + squeeze * tilt / reach) * (axis - t * tilt) / n
-        centre = state.x[i[:3]] + to_centre * t - p["end"][0] - state.x[i[7:10]]
+        centre = (state.x[i[:3]] - p["end"][0]) + (to_centre * t - state.x[i[7:10]] - p["turned"][0])
         return float(centre @ axis + reach - s.half), gradient[: state.layout.size]
 
     def first_cut(self, state) -> None:
@@ -368,6 +375,10 @@ class RockBit(Bit):
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
+    def follow(self, leader: Component) -> None:
+        assert isinstance(leader, RockBit)
+        self.hole.leader = leader.hole
+
     @property
     def remembers(self) -> bool:
         cuts = self.profiled or any(layer.drillability for layer in self.rock.layers)
@@ -393,8 +404,9 @@ class RockBit(Bit):
             now[4], now[5] = self._time, 1.0
             if self.hole.grows_to(now.item(3)):
                 direction = state.x[i[3:6]] / np.linalg.norm(state.x[i[3:6]])
-                place = state.x[i[:3]] + self.params["centre"][0] * direction
-                now[6:9], now[9:12] = place - self.params["end"][0] - now[:3], direction
+                p = self.params
+                place = p["centre"][0] * direction - now[:3] - p["turned"][0]
+                now[6:9], now[9:12] = (state.x[i[:3]] - p["end"][0]) + place, direction
             if self.pattern:
                 now[12] = self.params["angle"][0]
             if self.own is not None and self.own.memory_names:
@@ -429,7 +441,7 @@ class RockBit(Bit):
             for axis in (before, now)
         ]
         self._turned = self._turned + (float(place @ (now - before)) + reach[1] - reach[0]) * now
-        self.params["end"] = self.hole.start_point + self._turned
+        self.params["turned"] = self._turned
 
     def drilled_hole(self) -> Well:
         """Return the hole with its new part after the last accepted step."""
@@ -453,8 +465,8 @@ class RockBit(Bit):
         """Continue from the history variables of a checkpoint."""
         self.hole.set_state(saved)
         self.params["hold"] = self._end = np.array(saved["hold"])
-        self._turned = np.array(saved.get("turned", np.zeros(3)))
-        self.params["end"] = saved["first"] + self._turned
+        self.params["turned"] = self._turned = np.array(saved.get("turned", np.zeros(3)))
+        self.params["end"] = saved["first"]
         self._accepted = self._time = float(saved["accepted"][0])
         if self.pattern:
             self.params["angle"] = self._zero_angle = float(saved["pattern_angle"][0])

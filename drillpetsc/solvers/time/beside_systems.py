@@ -65,7 +65,15 @@ class BesideSystems:
         self.moved = np.zeros((len(system.assembly.calls.blocks), len(groups)), dtype=np.int8)
         self._kept: list[Any] = []
         self._updates: list[tuple[BoundBlock, Any]] = []
+        blocks = [b.block for _, beside in every for b in beside.system.assembly.bound_blocks]
+        self._recorded = [(block, block.constants) for block in blocks if block.constants]
         self.take_parts()
+
+    def renew(self) -> None:
+        """Find the elements anew if numbers of records have changed, as of a hole that has grown."""
+        if any(block.constants is not before for block, before in self._recorded):
+            self._recorded = [(block, block.constants) for block, _ in self._recorded]
+            self.take_parts()
 
     def take_parts(self) -> None:
         """Find the elements whose rows the parameters change, after components have changed theirs."""

@@ -181,6 +181,7 @@ class StepTangent:
     def _accept(self, t: float, dt: float) -> None:
         self._beside.move(self.x, self.y, self.a)
         self._accept_here(t)
+        self._beside.renew()
 
     def _accept_here(self, t: float) -> None:
         """Let the components of the systems beside the run go on from the end ``t`` [s] of a step, as those of the run have."""

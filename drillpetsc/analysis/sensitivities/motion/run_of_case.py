@@ -28,7 +28,6 @@ from drillpetsc.output.column_series import ColumnSeries, ColumnSeriesOfSystems
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
-from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.solvers.time.beside_systems import Beside
 from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
@@ -71,9 +70,8 @@ class Neighbours:
 
 def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None = None) -> None:
     """Raise CaseError for what the derivatives do not follow, in the run or beside it.  integrator: of the run."""
-    system, bit, mud = model.system, model.bit, case.fluid
+    system, mud = model.system, case.fluid
     has = {
-        "a bit that cuts: its hole grows": isinstance(bit, RockBit) and _cuts(bit),
         "events, such as of a jar": any(c.has_events for c in system.components),
         "a controller that samples": integrator is not None and integrator.sampler is not None,
         "an autodriller": case.top.autodriller is not None,
@@ -89,10 +87,6 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
     for what, present in has.items():
         if present:
             raise CaseError(at="--analysis", got="run", want=f"a run without: {what}")
-
-
-def _cuts(bit: RockBit) -> bool:
-    return bit.profiled or bit.own is not None or bool(np.any([q.drillability for q in bit.rock.layers]))
 
 
 def refuse_run(case: Case) -> None:
