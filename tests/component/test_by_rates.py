@@ -7,6 +7,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import BoundBlock
 from drillpetsc.kernels import address, function, pointer
+from tests.helpers import flow_models
 from tests.helpers.component_models import SHIFT, build
 from tests.helpers.tables import each_row
 
@@ -22,6 +23,16 @@ KINDS = {
     "contact_junction_bodies_bit": {
         "beam", "beam_junction", "eccentric", "eccentric_junction", "contact", "contact_junction", "body_contact", "bit_contact",
     },
+}  # fmt: skip
+IN_MUD = {
+    "pipe_annulus_bit": {"bore_flow", "annulus_flow", "bit_flow"},
+    "pipe_annulus_bit_junction_topdrive": {
+        "bore_flow", "bore_flow_junction", "annulus_flow", "annulus_flow_junction", "bit_flow", "beam_junction",
+    },
+    "annulus_widening": {"annulus_flow"},
+    "annulus_swirl": {"annulus_flow"},
+    "annulus_junction_swirl": {"annulus_flow", "annulus_flow_junction", "beam_junction"},
+    "annulus_junction_swirl_aside": {"annulus_flow_aside", "annulus_flow_aside_junction", "beam_junction"},
 }  # fmt: skip
 
 
@@ -42,10 +53,10 @@ def _times(b: BoundBlock, K: FloatArray, directions: FloatArray) -> FloatArray:
     return rows
 
 
-@each_row("kind", KINDS)
+@each_row("kind", KINDS | IN_MUD)
 def test_products_with_directions(kind):
     """Positions of every second direction, rates and accelerations of all; the rows are added to those that are there."""
-    system, rng = build(kind), np.random.default_rng(3)
+    system, rng = (flow_models.build if kind in IN_MUD else build)(kind), np.random.default_rng(3)
     asm, n = system.assembly, system.layout.size
     asm.condense(SHIFT)
     asm.a[:n] += rng.standard_normal(n)
@@ -60,16 +71,18 @@ def test_products_with_directions(kind):
         if not b.count or address(f"{b.block.kernel}_by_rates") is None:
             continue
         seen.add(b.block.kernel)
-        by_position = b.block.context != 0  # of contacts: nothing else asks for it
-        wanted = _times(b, _matrix(b, state, (0.0, 1.0, 0.0)), dy)
-        wanted += _times(b, _matrix(b, state, (0.0, 0.0, 1.0)), da)
+        # of contacts: nothing else asks for it
+        by_position = b.block.context != 0 and "flow" not in b.block.kernel
+        factors = [((0.0, 1.0, 0.0), dy), ((0.0, 0.0, 1.0), da)]
         if by_position:
-            wanted += chosen[:, None] * _times(b, _matrix(b, state, (1.0, 0.0, 0.0)), dx)
+            factors.append(((1.0, 0.0, 0.0), chosen[:, None] * dx))
+        matrices = [(_matrix(b, state, weights), d) for weights, d in factors]
+        wanted = sum(_times(b, K, d) for K, d in matrices)
+        sizes = sum(_times(b, np.abs(K), np.abs(d)) for K, d in matrices)
         found = np.ones((DIRECTIONS, length))
         product = function(f"{b.block.kernel}_by_rates", "ippppppiippppp")
         head = b.count, pointer(b.index), pointer(b.block.params), b.block.context, *map(pointer, state)
         some = pointer(chosen) if by_position else None
         product(*head, DIRECTIONS, length, some, *map(pointer, (dx, dy, da, found)))
-        scale = max(1.0, np.abs(wanted).max())
-        assert np.abs(found - 1.0 - wanted)[:, :n].max() < 1e-12 * scale
-    assert seen == KINDS[kind]
+        assert (np.abs(found - 1.0 - wanted) <= 1e-12 * np.maximum(1.0, sizes))[:, :n].all()
+    assert seen == (KINDS | IN_MUD)[kind] | ({"beam"} if kind in IN_MUD else set())

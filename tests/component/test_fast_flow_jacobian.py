@@ -82,6 +82,32 @@ def test_closed_form_gives_the_derivative_of_the_rows(kernel, triple, count):
             assert (np.abs(fast - wide) <= 1e-13 * np.abs(wide).max(axis=2, keepdims=True)).all()
 
 
+@pytest.mark.parametrize("kernel", ["bore_flow", "annulus_flow"])
+@pytest.mark.parametrize("count", [4, 7])
+def test_products_with_rates_and_accelerations(kernel, count):
+    """Products of all directions at once are those of the matrices, row by row (kernels/tangent/flow_by_rates.hpp)."""
+    rng, directions = np.random.default_rng(4), 3
+    product = function(f"{kernel}_by_rates", "ippppppiippppp")
+    for seed, law in enumerate(LAWS):
+        for turbulent in (False, True):
+            parts, d = [], rng.standard_normal((2, directions, 100))
+            for weights in np.eye(3)[1:]:
+                fluid, arguments = _elements(kernel, law, seed, count, turbulent, weights)
+                index, _, params, context, _, spin, *state = arguments
+                arguments[5] = np.zeros_like(spin)
+                parts.append(_jacobian(kernel, count, *arguments))
+            found, wanted, sizes = np.zeros((3, directions, 100))
+            tables = map(pointer, (d[0], d[0], d[1], found))
+            head = count, pointer(index), pointer(params), context
+            product(*head, *map(pointer, state), directions, 100, None, *tables)
+            for k in range(directions):
+                for K, q in zip(parts, d[:, k], strict=True):
+                    np.add.at(wanted[k], index, np.einsum("eij,ej->ei", K, q[index]))
+                    np.add.at(sizes[k], index, np.einsum("eij,ej->ei", np.abs(K), np.abs(q[index])))
+            assert sizes.max() > 1e-2
+            assert (np.abs(found - wanted) <= 1e-13 * sizes).all()
+
+
 @each_row("law", LAWS)
 @each_row("alpha", [0.0, 1.0])
 def test_friction_of_packed_elements(law, alpha):
