@@ -1,4 +1,4 @@
-"""Components of joints and rolling: exact Jacobian, workless constraints, action and reaction; no data
+"""Components of joints: exact Jacobian, workless constraints, action and reaction; no data
 without joints (manual: verif-joint-component)."""
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ import pytest
 
 from drillpetsc.physics.joints import KINDS, SCALE
 from tests.helpers.component_models import SHIFT, both_jacobians, meet_conditions
-from tests.helpers.joint_models import joint_component, random_state, rolling_state
+from tests.helpers.joint_models import joint_component, random_state
 from tests.helpers.tables import each_row
 
 STATES = {
@@ -18,8 +18,6 @@ STATES = {
         for s in (False, True)
     },
     "universal stabilised beside a held node": lambda: random_state("universal", True, held=True),
-    "rolling on a plane": lambda: rolling_state(False),
-    "rolling in a hole": lambda: rolling_state(True),
 }
 MECHANICAL = ("string.position", "string.tangent", "string.spin")
 
@@ -47,19 +45,14 @@ def test_condensed_jacobian_matches_central_differences(name):
 
 @each_row("name", [n for n in STATES if "stabilised" not in n])
 def test_multipliers_do_the_work_of_their_constraints(name):
-    """Rows times velocity = sum of multipliers times rates of their (holonomic) constraint rows, because
+    """Rows times velocity = sum of multipliers times rates of their constraint rows, because
     forces are the transposed derivative of the constraints; except for springs, stops and dampers."""
     system, t = STATES[name](), 0.0
     asm = system.assembly
     asm.condense(SHIFT)
-    which = "rolling" if "rolling" in name else "joints"
-    ready = next(b for b in asm.bound_blocks if b.block.name == which)
-    field = "rolling.force" if which == "rolling" else "joint.load"
-    slot = system.layout.dofs[field]
+    ready = next(b for b in asm.bound_blocks if b.block.name == "joints")
+    slot = system.layout.dofs["joint.load"]
     free = slot[slot >= 0]
-    if which == "rolling":  # only the gap is a function of position
-        asm.x[free[1:]] = 0.0
-        free = free[:1]
 
     def rows() -> np.ndarray:
         out = np.zeros_like(asm.r)

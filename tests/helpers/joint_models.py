@@ -13,7 +13,6 @@ from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import RigidBodies
-from tests.helpers.rolling import Rolling
 from tests.helpers.uniform_string import uniform_string
 
 AXES = ((0.0, 0.6, 0.8), (0.0, -0.8, 0.6), (1.0, 0.0, 0.0))
@@ -144,25 +143,6 @@ def random_state(
     for name in system.layout.dofs:
         if name.startswith("joint."):  # multipliers in units of 1e6 N: loads of a few newtons
             system.set_field(name, (1e-6 if name == "joint.load" else 0.1) * rng.standard_normal((5, 6)))
-    asm = system.assembly
-    asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
-    return system
-
-
-def rolling_state(wall: bool, seed: int = 2) -> DiscreteSystem:
-    """Two bodies connected by a fixed joint, the upper of which rolls; in a random moving state off the
-    surface."""
-    rng = np.random.default_rng(seed)
-    mesh = chain_of_bodies(
-        (body(0, 0.5, 1.3, 0.2, 0.4), body(1, 0.2, 0.7, 0.1, 0.1)), (StringJoint(0.5, "fixed", 0),)
-    )
-    normal = np.array([0.1, -0.2, -1.0])
-    rolling = Rolling(2, 0, 0.3, np.array([0.1, 0.2, 0.5]), normal, 0.2, 0.8 if wall else None, not wall)
-    system = place(mesh, rng.standard_normal((2, 3)), np.array([0.48, 0.6, 0.64]), [lambda frames: rolling])
-    system.set_field("string.tangent", np.array([[0.5, 0.5, 0.7], [0.4, 0.6, 0.6]]))
-    system.set_field("string.spin", rng.standard_normal((2, 1)))
-    for name in ("joint.load", "rolling.force"):
-        system.set_field(name, 1e-6 * rng.standard_normal((2, 6 if name == "joint.load" else 3)))
     asm = system.assembly
     asm.v0[:], asm.v1[:] = rng.standard_normal(len(asm.v0)), rng.standard_normal(len(asm.v1))
     return system

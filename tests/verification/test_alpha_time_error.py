@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 import drillpetsc
 from drillpetsc import load_case
-from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaOutputErrors
+from drillpetsc.solvers.time.alpha_formula import AlphaFormula
 
 PENDULUM = "cases/verification/study-pendulum.yaml"
-
-
-@pytest.mark.parametrize("radius", [1.0, 0.8, 0.3])
-def test_weights_of_uneven_steps(radius):
-    """Of a cubic a t^3 + b t the local error is the phase error times 6 a h^3 with the last step h, exactly."""
-    formula = AlphaFormula(radius)
-    times = [0.1, 0.35, 0.5, 0.92]
-    states = np.array([[2.5 * t**3 - 4 * t, 7 * t**2] for t in times])
-    error = AlphaOutputErrors(formula).weights(times) @ states
-    assert error == pytest.approx([formula.phase_error * 6 * 2.5 * 0.42**3, 0.0], rel=1e-12, abs=1e-12)
 
 
 def test_sums_of_a_pendulum(tmp_path):

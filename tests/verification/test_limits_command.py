@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import limits, statics
+from drillpetsc.analysis.hydraulics.trade_formulas import PPG
 from drillpetsc.analysis.loads.limits.free_point import StuckString, free_points, slope
 from drillpetsc.analysis.loads.limits.limits import run_limits
 from drillpetsc.analysis.loads.limits.table import Choices
@@ -21,7 +22,6 @@ from drillpetsc.case.options.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
-from tests.helpers.rules_of_thumb import PPG
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 

@@ -5,7 +5,6 @@ using namespace dp;
 DP_ENTRY(joint, Joint<false>)
 DP_ENTRY(joint_stabilised, Joint<true>)
 DP_ENTRY(unit_slope, UnitSlope)
-DP_ENTRY(rolling, Rolling)
 DP_OTHER_FORMULATIONS(joint, Joint<false>, 2)
 DP_OTHER_FORMULATIONS(unit_slope, UnitSlope, 1)
 

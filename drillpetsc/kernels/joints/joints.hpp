@@ -1,4 +1,4 @@
-// Joints between two parts of the string, and rolling without slip: constraints with multipliers.
+// Joints between two parts of the string: constraints with multipliers.
 //
 // A joint couples the frame at the end of a rigid arm below one node ("above") with the next node's frame ("below").  A constraint is
 // either c = A.B with A fixed in the frame above, B in the one below, or c = E.D with E above and D the way from the arm's end to the
@@ -180,65 +180,6 @@ struct UnitSlope {
         const Vec<T> f = v * ((n - 1.0) / n * p[STIFFNESS]);
         r[0] = r[1] = r[2] = r[6] = T(0.0);
         r[3] = f.x; r[4] = f.y; r[5] = f.z;
-    }
-};
-
-// ---------------------------------------------------------------- rolling
-// A round body rolls without slip: its rim touches a plane, or the wall of a straight round hole from inside.
-//
-// Plane: e points from the body's centre to the lowest point of its rim, the gap is n.(centre + R e) - h.  Hole: e points from the axis
-// of the hole to the centre, the gap is Rh - R minus their distance.  The gap is a holonomic constraint; the point of the body at the
-// contact has no velocity along the two directions of the surface (along the hole only where ALONG is set), which no function of place
-// alone can say.  The multipliers are the force on the body in the same three directions.
-struct Rolling {
-    DP_ENUM(Parameter,
-        WALL,                                                // 1: on the wall of a hole, 0: on a plane
-        CENTER, RADIUS,                                      // of the body: centre along the tangent, radius [m]
-        POINT, NORMAL = POINT + 3, SIDE = NORMAL + 3,        // 3 each: point of the plane or of the hole's axis, its direction, a vector across
-        HOLE = SIDE + 3,                                     // radius of the hole [m]
-        ALONG, SCALE,                                        // 1: no slip along the hole either; [N]
-        NP)
-    static constexpr int D = 10, NSPIN = 1;
-    static constexpr bool PACKED = false;
-    static constexpr int SPINS[1][2] = {{6, 3}};
-
-    template <class T, class S>
-    static void force(int, const T* x, const T* y, const T*, const S* p, void*, T* r) {
-        const Vec<T> v = vec(x + 3), w = vec(y + 3);
-        const T n = norm(v);
-        const Vec<T> t = v / n, turning = cross(t, w) / n + t * y[6];
-        const Vec<T> centre = vec(x) + t * p[CENTER], speed = vec(y) + cross(turning, t) * p[CENTER];
-        const Vec<double> point = vec(p + POINT), normal = vec(p + NORMAL), side = vec(p + SIDE);
-        const double R = p[RADIUS], scale = p[SCALE];
-        Vec<T> e, out, first, second;  // to the contact, normal into the surface's free side, directions in the surface
-        T gap;
-        if (p[WALL] != 0) {
-            const Vec<T> off = centre - point, across = off - normal * dot(off, normal);
-            const T far = norm(across);
-            e = across / far;
-            out = -e;
-            first = cross(normal, e);
-            second = {T(normal.x), T(normal.y), T(normal.z)};
-            gap = p[HOLE] - R - far;
-        } else {
-            const Vec<T> down = t * dot(t, normal) - normal;
-            const T length = norm(down);
-            e = down / length;
-            out = {T(normal.x), T(normal.y), T(normal.z)};
-            first = {T(side.x), T(side.y), T(side.z)};
-            second = cross(out, first);
-            gap = dot(centre - point, normal) - length * R;
-        }
-        const Vec<T> slip = speed + cross(turning, e) * R;
-        const bool along = p[WALL] == 0 || p[ALONG] != 0;
-        const T N = x[7] * scale, f1 = x[8] * scale, f2 = x[9] * scale;
-        Vec<T> F = out * N + first * f1;
-        if (along) F += second * f2;
-        const Vec<T> moment = cross(t * p[CENTER] + e * R, F), bend = cross(moment, t) / n;
-        r[0] = -F.x; r[1] = -F.y; r[2] = -F.z; r[3] = -bend.x; r[4] = -bend.y; r[5] = -bend.z; r[6] = -dot(moment, t);
-        r[7] = -gap * scale;
-        r[8] = -dot(slip, first) * scale;
-        r[9] = along ? -dot(slip, second) * scale : -f2;
     }
 };
 
