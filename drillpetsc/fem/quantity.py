@@ -1,16 +1,17 @@
 """Quantities: one object describes one output, and evaluates it.
 
 A component returns its quantities from ``quantities()``.  The history, the probes, the statics table,
-the fields of ``string.pvd``, plots, study tables and the manual read these objects; names, units and positions are kept
-only here.  This module does not use PETSc or MPI.
+the fields of ``string.pvd``, plots, study tables and the manual read these objects. Their words stand in tables.  This module does not use PETSc or MPI.
 """
 
 from __future__ import annotations
 
+import csv
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
@@ -144,6 +145,32 @@ class Quantity:
         if place and DEPTH in self.label:
             return self.label.replace(f"{DEPTH} m", shown(float(place), "length", system, 6))
         return self.label.replace(NAME, place) if place else self.label
+
+
+#: how the cells of a table of quantities are read that are not text
+_CELLS: dict[str, Callable[[str], Any]] = {
+    "panel": int,
+    "interest": int,
+    "mean": "yes".__eq__,
+    "numerics": "yes".__eq__,
+}
+
+
+@cache
+def words_of_quantities(table: Path) -> dict[str, dict[str, Any]]:
+    """Rows of a CSV table whose columns are fields of ``Quantity``, by name; an empty cell leaves the default."""
+    with open(table, encoding="utf-8", newline="") as file:
+        rows = [{k: _CELLS.get(k, str)(v) for k, v in row.items() if v} for row in csv.DictReader(file)]
+    return {row["name"]: row for row in rows}
+
+
+def quantities_of(table: Path) -> Callable[..., Quantity]:
+    """Return a function that makes a quantity of a table: from its name, and the fields that say how it is evaluated."""
+
+    def quantity(name: str, **evaluation: Any) -> Quantity:
+        return Quantity(**words_of_quantities(table)[name], **evaluation)
+
+    return quantity
 
 
 class Source(Protocol):

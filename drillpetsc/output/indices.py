@@ -21,7 +21,6 @@ from drillpetsc.output.files.tables import read_table, split_name, write_table
 from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.output.shown_units import unit_of
-from drillpetsc.output.summaries.run import Vibration
 from drillpetsc.unit_systems import System, shown
 
 IMPACT = 10 * STANDARD_GRAVITY  # lateral acceleration of an impact [m/s2]
@@ -284,4 +283,4 @@ def _summary(columns: dict[tuple[str, str], Any], window: float) -> dict[str, An
             out["whirl"][name.removeprefix("whirl_")] = {
                 str(c): float(k / count) for c, k in zip(classes, times, strict=True)
             }
-    return Vibration(**out).as_dict()
+    return out

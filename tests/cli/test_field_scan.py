@@ -1,4 +1,7 @@
-"""Screens, pictures and reports of a case in field units contain no SI unit: every command, and every text that is drawn."""
+"""Screens, pictures and reports of a case in field units contain no SI unit: every command, and every text that is drawn.
+
+The summaries that these commands write have the keys that the catalogue lists.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,11 @@ import pytest
 from matplotlib.text import Text
 
 from drillpetsc import cli
-from drillpetsc.output.catalogue import all_quantities
+from drillpetsc.output.catalogue import all_quantities, outputs_by_file
+from drillpetsc.output.files.json_file import read_summary
+from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.shown_units import unit_of
+from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.plotting.notebook import Picture
 from tests.helpers.si_words import ONE, si_units
 
@@ -144,6 +150,15 @@ def test_no_si_unit(command: str, folder: Path, monkeypatch, capsys) -> None:
     assert cli.main(command.split()) == 0
     screen = capsys.readouterr()
     texts = [screen.out, screen.err, *drawn]
+    if (Path(own) / "summary.json").is_file() and (
+        file := f"summary.json of {command.split()[0]}"
+    ) in SUMMARY_KEYS:
+        written = {split_name(key)[0] for key in read_summary(Path(own) / "summary.json")}
+        listed = {key.name.partition(".")[0]: key.condition for key in SUMMARY_KEYS[file]}
+        quantities = {q.name for q in outputs_by_file().get(file, ())}
+        assert (
+            {key for key, condition in listed.items() if not condition} <= written <= {*listed, *quantities}
+        )
     if command.startswith("plot"):
         assert len(drawn) > 50
     if command.startswith("report"):

@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc.output import conditions, read_table
 from drillpetsc.output.catalogue import listed_by_file, records
-from drillpetsc.output.summary_keys import IN_TIME
+from drillpetsc.output.conditions import IN_TIME
 from tests.helpers.command import drillpetsc, succeeds
 
 CASE = """

@@ -30,7 +30,6 @@ from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
-from drillpetsc.output.summaries.statics import StaticsSummary
 from drillpetsc.output.watches.buckling import Buckling, buckling
 from drillpetsc.unit_systems import System, display, kind_of, shown
 
@@ -70,17 +69,15 @@ def run_statics(
                 lowering=(prescribed_motion(model) if moving is None else moving)[0],
             )
         )
-        summary = StaticsSummary.of(
-            {
-                **figures,
-                "title": case.title,
-                "motion": motion or word or "as the top prescribes",
-                "warnings": list(state.warnings),
-                **(state.path.as_dict() if state.path is not None else {}),
-                **({"buckling": buckled.as_dict()} if model.beam.moves else {}),
-                **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
-            }
-        ).as_dict()
+        summary = {
+            "title": case.title,
+            **figures,
+            "motion": motion or word or "as the top prescribes",
+            "warnings": list(state.warnings),
+            **(state.path.as_dict() if state.path is not None else {}),
+            **({"buckling": buckled.as_dict()} if model.beam.moves else {}),
+            **({"helix_band": asdict(state.band)} if buckled and state.band is not None else {}),
+        }
         fields = FieldOutput(model).fields(0.0)
         if comm.rank == 0:
             if fields is not None:

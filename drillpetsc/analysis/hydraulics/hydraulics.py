@@ -55,7 +55,6 @@ from drillpetsc.output.files.run_folder import (
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
-from drillpetsc.output.summaries.flow import HydraulicsSummary
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System
@@ -343,7 +342,7 @@ def run_hydraulics(
         rates = np.unique(np.append(np.minimum(max(flows) * CURVE, 2 * LARGEST_FLOW), flows))
         curve = [_curve_row(hydraulics, rate) for rate in rates]
         folder = job.make_folder()
-        summary = _summary(case, hydraulics, results).as_dict()
+        summary = _summary(case, hydraulics, results)
     return job.result(folder, summary, _lines(case, results, summary), _tables(case, results, curve))
 
 
@@ -392,18 +391,18 @@ def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iter
     yield FLOW_CURVE_TABLE, COLUMNS["flow_curve"], curve
 
 
-def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> HydraulicsSummary:
-    return HydraulicsSummary(
-        title=case.title,
-        bit_depth=hydraulics.flow.string.depth,
-        hole_depth=hydraulics.end,
-        shoe_depth=hydraulics.shoe,
-        shoe_tvd=None
-        if hydraulics.shoe is None
-        else float(vertical_depth(case, np.array([hydraulics.shoe]))[0]),
-        window=window_table(case.window),
-        outlet_pressure=case.given_fluid.outlet_pressure.value(0.0),
-        flows=[
+def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> dict[str, Any]:
+    return {
+        "title": case.title,
+        "bit_depth": hydraulics.flow.string.depth,
+        "hole_depth": hydraulics.end,
+        "shoe_depth": hydraulics.shoe,
+        "shoe_tvd": (
+            None if hydraulics.shoe is None else float(vertical_depth(case, np.array([hydraulics.shoe]))[0])
+        ),
+        "window": window_table(case.window),
+        "outlet_pressure": case.given_fluid.outlet_pressure.value(0.0),
+        "flows": [
             {
                 **r.summary,
                 **({"nozzles": plain(r.nozzles)} if r.nozzles else {}),
@@ -412,11 +411,11 @@ def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> H
             }
             for r in results
         ],
-        rheology=rheology_fits.figures(case.given_fluid.rheology) or None,
-        warnings=hydraulics.warnings,
-        notes=hydraulics.notes,
-        units=case.shown_units,
-    )
+        "rheology": rheology_fits.figures(case.given_fluid.rheology) or None,
+        "warnings": hydraulics.warnings,
+        "notes": hydraulics.notes,
+        "units": case.shown_units,
+    }
 
 
 def _nozzle_lines(results: list[FlowResult], system: System) -> list[str]:

@@ -45,7 +45,6 @@ from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
-from drillpetsc.output.summaries.flow import SurgeSummary
 from drillpetsc.physics.fluid.rheology import wall_shear
 from drillpetsc.units import to_si
 
@@ -221,19 +220,19 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
-        found = SurgeSummary(
-            title=case.title,
-            units=case.shown_units,
-            window=window_table(window),
-            window_from=None if window is None else ("--window" if plan.window is not None else "case"),
-            surge=[
+        found = {
+            "title": case.title,
+            "units": case.shown_units,
+            "window": window_table(window),
+            "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
+            "surge": [
                 {q.name: vars(row)[q.name] for q in quantities} | {"warnings": row.warnings} for row in rows
             ],
-            max_trip_speed=fastest,
-            open_pipe_by_area=by_area,
-            notes=notes,
-        )
-    summary: dict[str, Any] = plain(found.as_dict())
+            "max_trip_speed": fastest,
+            "open_pipe_by_area": by_area,
+            "notes": notes,
+        }
+    summary: dict[str, Any] = plain(found)
     tables: list[FileTable] = [(SURGE_TABLE, quantities, map(vars, rows))]
     tables += [(TRIP_SPEED_TABLE, COLUMNS["max_trip_speed"], fastest)] if fastest else []
     return job.result(folder, summary, _lines(case, rows, summary), tables)

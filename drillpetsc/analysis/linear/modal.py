@@ -51,7 +51,6 @@ from drillpetsc.output.files.well_files import write_well_files
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.output.summaries.linear import ModesSummary
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -379,7 +378,7 @@ def run_modes(
         ):
             left_out = "the controller in Python is left out: its torque stays constant"
             state = replace(state, warnings=[*state.warnings, left_out])
-        summary = _summary(model, found, state, searched).as_dict()
+        summary = _summary(model, found, state, searched)
         if comm.rank == 0:
             _write(model, folder, found, fields)
     return job.result(folder, summary, _lines(case, found, summary), [_table(found)])
@@ -402,32 +401,32 @@ def missing_growth(model: DrillingModel, found: Modes, state: StaticState) -> bo
     return bool(state.equilibrium.negative_pivots and model.conservative and not found.unstable)
 
 
-def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> ModesSummary:
+def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: str) -> dict[str, Any]:
     """Results of all modes together; collective."""
-    return ModesSummary(
-        title=model.case.title,
-        searched=searched,
-        about=motion_text(found.lowering, found.rotation, model.case.shown_units),
-        lowering=found.lowering,
-        rotation=found.rotation,
-        modes=found.count,
-        stable=found.unstable == 0 and found.zeros == 0 and not missing_growth(model, found, state),
-        margin=found.margin,
-        unstable=found.unstable,
-        diverging=found.diverging,
-        fluttering=found.fluttering,
-        zero_roots=found.zeros,
-        smallest_eigenvalue=found.smallest,
-        largest_error=float(found.error.max(initial=0.0)),
-        imbalance=found.imbalance,
-        frequency=found.frequency,
-        damping_ratio=found.damping_ratio,
-        growth=found.growth,
-        kind=list(found.kind),
-        negative_pivots=state.equilibrium.negative_pivots,
-        warnings=[*state.warnings, *doubts_at(moment_of(model, found))],
-        time_scales=time_scales(model).lines(),
-    )
+    return {
+        "title": model.case.title,
+        "searched": searched,
+        "about": motion_text(found.lowering, found.rotation, model.case.shown_units),
+        "lowering": found.lowering,
+        "rotation": found.rotation,
+        "modes": found.count,
+        "stable": found.unstable == 0 and found.zeros == 0 and not missing_growth(model, found, state),
+        "margin": found.margin,
+        "unstable": found.unstable,
+        "diverging": found.diverging,
+        "fluttering": found.fluttering,
+        "zero_roots": found.zeros,
+        "smallest_eigenvalue": found.smallest,
+        "largest_error": float(found.error.max(initial=0.0)),
+        "imbalance": found.imbalance,
+        "frequency": found.frequency,
+        "damping_ratio": found.damping_ratio,
+        "growth": found.growth,
+        "kind": list(found.kind),
+        "negative_pivots": state.equilibrium.negative_pivots,
+        "warnings": [*state.warnings, *doubts_at(moment_of(model, found))],
+        "time_scales": time_scales(model).lines(),
+    }
 
 
 def _table(found: Modes) -> FileTable:

@@ -8,8 +8,6 @@ import sys
 
 from mpi4py import MPI
 
-from drillpetsc.output.summaries.run import Memory as MemorySummary
-
 RSS_UNIT = 1 if sys.platform == "darwin" else 1024  # unit of ru_maxrss [bytes]
 WARM_UP = 0.1  # fraction of the simulated time after which memory should not grow
 
@@ -59,6 +57,4 @@ class Memory:
             "end": self.at_end,
             "peak": peak(),
         }
-        return MemorySummary(
-            **{k: self.mpi.allreduce(v) if all_ranks else v for k, v in local.items()}
-        ).as_dict()
+        return {k: self.mpi.allreduce(v) if all_ranks else v for k, v in local.items()}

@@ -20,7 +20,6 @@ from drillpetsc.geometry.trajectory import as_dict, new_hole
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.balances.time_error import time_error_lines
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.summaries.run import StaticStart
 from drillpetsc.physics.top.hoist import Hoist
 from drillpetsc.physics.top.top_drive import MotorDrive
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
@@ -134,13 +133,13 @@ def static_notes(state: StaticState | None) -> dict[str, Any]:
         return {}
     e = state.equilibrium
     return {
-        "statics": StaticStart(
-            iterations=e.iterations,
-            negative_pivots=e.negative_pivots,
-            residual=float(e.residual),
-            imperfection=float(e.imperfection),
-            warnings=list(state.warnings),
-        ).as_dict()
+        "statics": {
+            "iterations": e.iterations,
+            "negative_pivots": e.negative_pivots,
+            "residual": float(e.residual),
+            "imperfection": float(e.imperfection),
+            "warnings": list(state.warnings),
+        }
     }
 
 

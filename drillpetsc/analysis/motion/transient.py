@@ -48,7 +48,6 @@ from drillpetsc.output.job import RunResult
 from drillpetsc.output.measured.motion_classes import MotionClasses
 from drillpetsc.output.progress import Progress, Receiver, check_progress
 from drillpetsc.output.recorder import Recorder
-from drillpetsc.output.summaries.run import RunSummary
 from drillpetsc.output.watches.monitors import Monitors
 from drillpetsc.parallel import first_rank_does
 from drillpetsc.solvers import petsc_options as options
@@ -473,7 +472,7 @@ class TransientRun:
             )
         )
         self._warn(said)
-        return RunSummary(**result | {"warnings": [*result["warnings"], *said]}).as_dict()
+        return result | {"warnings": [*result["warnings"], *said]}
 
     def _take_time_error(self, result: dict[str, Any]) -> float | None:
         """Write the known errors in time into the summary; returns the length of the steps [s] that damp short motions,

@@ -32,7 +32,6 @@ from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import key_unit, shown_unit
-from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 
 #: outputs that are differentiated unless others are named
 USUAL = {
@@ -90,17 +89,18 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
     )
     notes = [*solution.notes, *doubts_at(differentiated)]
     rows = [row_of(d) for d in found]
-    summary = SensitivitiesSummary(
-        title=case.title,
-        analysis=question.analysis,
-        outputs={solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
-        sensitivities=plain(rows),
-        checked=[row_of_check(at) for at in compared],
-        skipped=skipped,
-        units=case.shown_units,
-        warnings=warnings,
-        notes=notes,
-    ).as_dict()
+    summary = {
+        "title": case.title,
+        "analysis": question.analysis,
+        "outputs": {solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
+        "sensitivities": plain(rows),
+        "checked": [row_of_check(at) for at in compared],
+        "cost": None,
+        "skipped": skipped,
+        "units": case.shown_units,
+        "warnings": warnings,
+        "notes": notes,
+    }
     tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
     return job.result(job.make_folder(), summary, _lines(case, found, compared, summary), tables)
 

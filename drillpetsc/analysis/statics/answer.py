@@ -15,7 +15,6 @@ from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.measured.in_hole import below_flow_line, equivalent_density
 from drillpetsc.output.measured.rigid_items import RigidItems
 from drillpetsc.output.measured.string_ends import TopEnd
-from drillpetsc.output.summaries.statics import SoftString
 from drillpetsc.parallel import total
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.physics.interfaces import Drive
@@ -72,9 +71,11 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     for name in ("hook_load", "surface_torque", "wob", "bit_torque"):
         out[name] = without_noise(out[name], abs(out["hook_load"]) + abs(out["wob"]))
     if soft is not None:
-        out["soft_string"] = SoftString(
-            hook_load=soft.hook_load, surface_torque=soft.surface_torque, stretch=soft.stretch
-        ).as_dict()
+        out["soft_string"] = {
+            "hook_load": soft.hook_load,
+            "surface_torque": soft.surface_torque,
+            "stretch": soft.stretch,
+        }
     return out | flow_summary(model)
 
 

@@ -28,7 +28,6 @@ from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
-from drillpetsc.output.summaries.sensitivities import UncertainSummary
 
 SHOWN_EACH = 10  # samples of a part, after which progress is shown
 LINEAR, MONTE_CARLO, BOTH = "linear", "monte-carlo", "both"
@@ -83,20 +82,20 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         for i, output in enumerate(outputs)
         for k, name in enumerate(named)
     ]
-    summary = UncertainSummary(
-        title=case.title,
-        analysis=question.analysis,
-        method=question.method,
-        samples=question.samples,
-        seed=question.seed,
-        levels=list(question.levels),
-        keys=[_described(case, key) for key in {key.name: key for key in keys}.values()],
-        failed=max((int(spread.failed.max()) for spread in found if spread.failed.size), default=0),
-        measured=points,
-        units=case.shown_units,
-        warnings=doubts_at(drawn, "warning"),
-        notes=[*notes, *response.notes, *doubts_at(drawn, "remark")],
-    ).as_dict()
+    summary = {
+        "title": case.title,
+        "analysis": question.analysis,
+        "method": question.method,
+        "samples": question.samples,
+        "seed": question.seed,
+        "levels": list(question.levels),
+        "keys": [_described(case, key) for key in {key.name: key for key in keys}.values()],
+        "failed": max((int(spread.failed.max()) for spread in found if spread.failed.size), default=0),
+        "measured": points,
+        "units": case.shown_units,
+        "warnings": doubts_at(drawn, "warning"),
+        "notes": [*notes, *response.notes, *doubts_at(drawn, "remark")],
+    }
     tables = (
         (UNCERTAIN_TABLE, COLUMNS["uncertain"], rows),
         (UNCERTAIN_LIMITS_TABLE, COLUMNS["uncertain_limits"], limits),

@@ -13,8 +13,6 @@ from drillpetsc.fem.component import FloatArray
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.quantities.history import ENERGY
-from drillpetsc.output.summaries.run import Energy
-from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.parallel import total
 from drillpetsc.unit_systems import shown
 
@@ -162,20 +160,19 @@ class EnergyBalance:
         left: work of the residuals that Newton left [J]; the rest of the energy error is the time formula's.
         """
         kinetic, strain, potential = self.energies
-        damped = MISSING if left is None else left - self.last_error
-        return Energy(
-            kinetic=kinetic,
-            strain=strain,
-            potential=potential,
-            dissipated=self.dissipated,
-            supplied=self.supplied,
-            error=self.last_error,
-            error_share=self.last_error / self.exchanged,
-            newton=MISSING if left is None else left,
-            damped=damped,
-            damped_share=MISSING if damped is MISSING else damped / self.exchanged,
-            followed=self.followed if self._follows else MISSING,
-        ).as_dict()
+        out = {
+            "kinetic": kinetic,
+            "strain": strain,
+            "potential": potential,
+            "dissipated": self.dissipated,
+            "supplied": self.supplied,
+            "error": self.last_error,
+            "error_share": self.last_error / self.exchanged,
+        }
+        if left is not None:
+            damped = left - self.last_error
+            out |= {"newton": left, "damped": damped, "damped_share": damped / self.exchanged}
+        return out | ({"followed": self.followed} if self._follows else {})
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.fem.component import FloatArray
-from drillpetsc.output.summaries.run import MudBalance
-from drillpetsc.output.summaries.summary import MISSING
 
 
 class MassBalance:
@@ -56,14 +54,14 @@ class MassBalance:
         change, (pumped, returned, cuttings) = self.content - self.start_content, map(float, self._sums)
         error = change - pumped + returned - cuttings
         largest = max(abs(pumped), abs(returned), abs(change), 1e-300)
-        return MudBalance(
-            pumped=pumped,
-            returned=returned,
-            cuttings=cuttings or MISSING,
-            content_change=change,
-            error=error,
-            error_share=error / largest,
-        ).as_dict()
+        return {
+            "pumped": pumped,
+            "returned": returned,
+            **({"cuttings": cuttings} if cuttings else {}),
+            "content_change": change,
+            "error": error,
+            "error_share": error / largest,
+        }
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""

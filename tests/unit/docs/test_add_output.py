@@ -10,6 +10,7 @@ import pytest
 
 from drillpetsc import load_case, run
 from drillpetsc.analysis.motion import checkpoint
+from drillpetsc.fem.quantity import quantities_of
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import catalogue, read_table
 from drillpetsc.physics import quantities
@@ -20,9 +21,15 @@ TITLE = "wall_friction_power [W]"
 
 
 @pytest.fixture
-def extended(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The page's declaration, as if it stood at the end of physics/quantities.py."""
-    declaration = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)[0]
+def extended(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
+    """The page's declaration, as if it stood at the end of physics/quantities.csv and physics/quantities.py."""
+    row, declaration = (
+        re.findall(rf"^```{kind}\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)[0]
+        for kind in ("text", "python")
+    )
+    table = tmp_path / "quantities.csv"
+    table.write_text(Path(quantities.__file__).with_suffix(".csv").read_text() + row)
+    monkeypatch.setattr(quantities, "quantity", quantities_of(table))
     monkeypatch.setattr(quantities, "CONTACT", quantities.CONTACT)  # the old tuple comes back after the test
     monkeypatch.setattr(quantities, "_wall_friction_power", None, raising=False)
     exec(declaration, vars(quantities))

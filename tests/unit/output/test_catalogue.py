@@ -27,7 +27,6 @@ from drillpetsc.output.catalogue import (
 )
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.job import Job
-from drillpetsc.output.summaries.run import STATIC_START
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics.quantities import BIT
 from tests.helpers.tables import each_row
@@ -79,7 +78,7 @@ CASES: dict[str, dict[str, Any]] = {
     "free top, quasi-static": {"string": [PIPE], "top": "free", "bottom": "clamped", "time": QUASI},
 }
 #: conditions under which outputs exist, in each case
-_STRING = {"", where.STRING, where.INERTIA, STATIC_START}
+_STRING = {"", where.STRING, where.INERTIA, where.STATIC_START}
 _MUD = {where.MUD, where.BORE, where.ANNULUS}
 _IN_WELL = {where.WELL, where.CONTACT, where.TOP}
 CONDITIONS: dict[str, set[str]] = {
@@ -93,8 +92,8 @@ CONDITIONS: dict[str, set[str]] = {
         *_STRING, *_IN_WELL, *_MUD, where.TUBES, where.SLOPES, where.MUD_AND_STRING, where.BIT, where.DRILLS,
         where.CUTS_SIDE, where.CUTTINGS,
     },
-    "held": {"", *_MUD, where.WELL, where.INERTIA, STATIC_START},
-    "free top, quasi-static": {"", where.STRING, where.TUBES, where.SLOPES, STATIC_START},
+    "held": {"", *_MUD, where.WELL, where.INERTIA, where.STATIC_START},
+    "free top, quasi-static": {"", where.STRING, where.TUBES, where.SLOPES, where.STATIC_START},
 }  # fmt: skip
 
 

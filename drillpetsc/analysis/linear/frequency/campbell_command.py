@@ -33,8 +33,6 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.output.summaries.linear import CampbellSummary
-from drillpetsc.output.summaries.summary import MISSING
 
 
 def demand_wall(case: Case) -> None:
@@ -143,7 +141,7 @@ def run_campbell(
         folder = job.make_folder()
         found = campbell(states, sought, frequency == "wn")
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
-    summary = _summary(case, found, sought, states, frequency).as_dict()
+    summary = _summary(case, found, sought, states, frequency)
     tables: list[FileTable] = [
         (CAMPBELL_TABLE, COLUMNS["campbell"], _campbell_rows(found)),
         (CRITICAL_TABLE, COLUMNS["critical"], _critical_rows(found, summary["case_speed"])),
@@ -197,7 +195,7 @@ def searched_to(found: Campbell) -> FloatArray:
 
 def _summary(
     case: Case, found: Campbell, sought: Sought, states: TurningModel, frequency: str
-) -> CampbellSummary:
+) -> dict[str, Any]:
     case_speed = case_rpm(case)
     lost = [b for b in found.branches if b.end == "lost"]
     grows = [rpm_of(m.speed) for m in found.speeds if m.grows.any()]
@@ -205,30 +203,33 @@ def _summary(
         c for c in found.critical
         if case_speed and abs(margin(c, case_speed)) < MARGIN and c.damping_ratio < SHARP
     ]  # fmt: skip
+    orbit = found.orbit
     told = [(b.number, rpm_of(found.speeds[b.points[-1][0]].speed)) for b in lost]
     moment = Followed(case, case_speed, MARGIN, LEAST_MAC, told, near, found.speeds)
-    return CampbellSummary(
-        title=case.title,
-        speeds=[rpm_of(s) for s in sought.speeds],
-        added_speeds=[rpm_of(m.speed) for m in found.speeds if m.speed not in sought.speeds],
-        case_speed=case_speed,
-        lines=[line for line in sought.lines if not isinstance(line, str)],
-        motor_line=MISSING
-        if found.orbit is None
-        else [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in found.orbit],
-        searched=sought.kind or "all kinds",
-        searched_to=[float(q) for q in searched_to(found) / (2 * np.pi)],
-        searched_beside=[
+    return {
+        "title": case.title,
+        "speeds": [rpm_of(s) for s in sought.speeds],
+        "added_speeds": [rpm_of(m.speed) for m in found.speeds if m.speed not in sought.speeds],
+        "case_speed": case_speed,
+        "lines": [line for line in sought.lines if not isinstance(line, str)],
+        **(
+            {}
+            if orbit is None
+            else {"motor_line": [None if np.isnan(q) else abs(q) / (2 * np.pi) for q in orbit]}
+        ),
+        "searched": sought.kind or "all kinds",
+        "searched_to": [float(q) for q in searched_to(found) / (2 * np.pi)],
+        "searched_beside": [
             None if np.isnan(q) else float(q) for q in searched_beside(found.speeds) / (2 * np.pi)
         ],
-        branches=len(found.branches),
-        lost=len(lost),
-        critical_speeds=len(found.critical),
-        growing_speeds=grows,
-        static_solutions=states.solved,
-        warnings=doubts_at(moment),
-        frequency=frequency,
-    )
+        "branches": len(found.branches),
+        "lost": len(lost),
+        "critical_speeds": len(found.critical),
+        "growing_speeds": grows,
+        "static_solutions": states.solved,
+        "warnings": doubts_at(moment),
+        "frequency": frequency,
+    }
 
 
 def _campbell_rows(found: Campbell) -> list[Any]:

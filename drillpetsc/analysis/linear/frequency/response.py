@@ -39,7 +39,6 @@ from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.flow_recorder import flow_recorder
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.output.summaries.linear import ResponseSummary
 from drillpetsc.parallel import first_rank_gives, total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -356,16 +355,16 @@ def run_response(
         table, notes, valid = (
             comm.tompi4py().bcast((table, notes, valid)) if comm.size > 1 else (table, notes, valid)
         )
-        summary = ResponseSummary(
-            title=case.title,
-            excitation=excitation.words(case.output.units or "SI"),
-            order=None if excitation.kind == "motor" else excitation.order,
-            speeds=[rpm_of(s) for s in speeds],
-            validity=[word for word, _ in valid],
-            peaks=_peaks(table),
-            static_solutions=states.solved,
-            warnings=[*notes, *warnings],
-        ).as_dict()
+        summary = {
+            "title": case.title,
+            "excitation": excitation.words(case.output.units or "SI"),
+            "order": None if excitation.kind == "motor" else excitation.order,
+            "speeds": [rpm_of(s) for s in speeds],
+            "validity": [word for word, _ in valid],
+            "peaks": _peaks(table),
+            "static_solutions": states.solved,
+            "warnings": [*notes, *warnings],
+        }
     columns = (*COLUMNS["response"], *(COLUMNS["response_stress"] if stress else ()))
     return job.result(folder, summary, _lines(case, summary), [(RESPONSE_TABLE, columns, table)])
 

@@ -31,8 +31,6 @@ from drillpetsc.output.files.run_folder import (
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.output.summaries.linear import StabilitySummary
-from drillpetsc.output.summaries.summary import MISSING
 from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
@@ -192,7 +190,7 @@ def run_stability(
                 runs.append(run_point(run_case, speed, weight, lowering, duration, comm))
             if speed == speeds[-1]:
                 edges += boundaries(growth, speeds)
-    summary = _summary(case, points, len(edges), kind, runs, duration).as_dict()
+    summary = _summary(case, points, len(edges), kind, runs, duration)
     rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
     ends = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
     did = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
@@ -211,7 +209,7 @@ def _summary(
     kind: str | None,
     runs: Sequence[RunPoint] = (),
     duration: float | None = None,
-) -> StabilitySummary:
+) -> dict[str, Any]:
     """Counts and warnings of all points, and what the runs of a ``duration`` [s] did there."""
     behaviours = [r.behaviour for r in runs]
     differ = [
@@ -221,19 +219,19 @@ def _summary(
     ]
     counts = {name: behaviours.count(name) for name in BEHAVIOURS}
     did = {"duration": duration, **{name: n for name, n in counts.items() if n}, "differ": len(differ)}
-    return StabilitySummary(
-        title=case.title,
-        speeds=[rpm_of(s) for s in dict.fromkeys(p.speed for p in points)],
-        weights=list(dict.fromkeys(p.weight for p in points)),
-        case_speed=case_rpm(case, case.time.end if case.time is not None else 0.0),
-        case_weight=case.initial.wob if case.initial.wob is not None else MISSING,
-        searched=kind or "all kinds",
-        unstable=sum(p.unstable for p in points),
-        marginal=sum(p.marginal for p in points),
-        boundaries=boundaries,
-        warnings=doubts_at(Mapped(case, points, IMBALANCE_SHARE, behaviours, differ)),
-        runs=MISSING if duration is None else did,
-    )
+    return {
+        "title": case.title,
+        "speeds": [rpm_of(s) for s in dict.fromkeys(p.speed for p in points)],
+        "weights": list(dict.fromkeys(p.weight for p in points)),
+        "case_speed": case_rpm(case, case.time.end if case.time is not None else 0.0),
+        **({} if case.initial.wob is None else {"case_weight": case.initial.wob}),
+        "searched": kind or "all kinds",
+        "unstable": sum(p.unstable for p in points),
+        "marginal": sum(p.marginal for p in points),
+        "boundaries": boundaries,
+        "warnings": doubts_at(Mapped(case, points, IMBALANCE_SHARE, behaviours, differ)),
+        **({} if duration is None else {"runs": did}),
+    }
 
 
 def _lines(case: Case, points: list[Point], edges: list[Boundary], summary: dict[str, Any]) -> list[str]:

@@ -49,7 +49,6 @@ from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
 from drillpetsc.output.job import FileTable, Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
-from drillpetsc.output.summaries.loads import LimitsSummary
 from drillpetsc.output.watches.buckling import buckling
 from drillpetsc.physics.bit.bit_on_bottom import bit_torque
 from drillpetsc.unit_systems import System, shown
@@ -121,21 +120,21 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 soft=soft.works,
                 strength=bool(np.isfinite(pipe.tension_limit).any()),
             )
-            summary = LimitsSummary(
-                title=case.title,
-                operation=word or "as the case",
+            summary = {
+                "title": case.title,
+                "operation": word or "as the case",
                 **{key: statics[key] for key in OF_STATE if key in statics},
-                choices=asdict(choices),
-                helical_law=law_words(choices.helical),
-                units=units,
-                neutral_point={
+                "choices": asdict(choices),
+                "helical_law": law_words(choices.helical),
+                "units": units,
+                "neutral_point": {
                     "effective": _neutral_point(table, "effective_tension"),
                     "true": _neutral_point(table, "axial_force"),
                 },
-                weakest=judged.weakest,
-                contacts=plain(contacts),
-                rig=None if case.rig is None else case.rig.model_dump(),
-                notes=[
+                "weakest": judged.weakest,
+                "contacts": plain(contacts),
+                "rig": None if case.rig is None else case.rig.model_dump(),
+                "notes": [
                     *remarks,
                     *doubts_at(judged, "remark"),
                     *grades_assumed(case),
@@ -143,9 +142,9 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                     *(bends_left_out(case) + cutters_left_out(case) if soft.works else ()),
                 ],
                 **_margins(model, found, pipe, soft),
-                buckling={} if buckled is None else buckled.as_dict(),
-                warnings=[*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
-            ).as_dict()
+                "buckling": {} if buckled is None else buckled.as_dict(),
+                "warnings": [*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
+            }
             answer = summary
             present = [q for q in COLUMNS["limits"] if q.name in table]
             rows_present = zip(*(table[q.name] for q in present), strict=True)

@@ -28,7 +28,6 @@ from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.output.summaries.sensitivities import SensitivitiesSummary
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 
@@ -82,18 +81,20 @@ def run_sensitivities_of_run(
     moments = [*followed, *[Stepped(case, name, *worst) for name, worst in moved.items()], *compared]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     rows = [row_of(d) for d in found]
-    summary = SensitivitiesSummary(
-        title=case.title,
-        analysis="run",
-        outputs={q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
-        sensitivities=plain(rows),
-        checked=plain([row_of_check(at) for at in compared]),
-        cost=cost,
-        skipped=series.skipped,
-        units=case.shown_units,
-        warnings=[sentence for at in moments for sentence in doubts_at(at)],
-        notes=doubts_at(Differentiated(case, "run", one_sided, without_effect(found), {}, zero_flows(found))),
-    ).as_dict()
+    summary = {
+        "title": case.title,
+        "analysis": "run",
+        "outputs": {q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
+        "sensitivities": plain(rows),
+        "checked": plain([row_of_check(at) for at in compared]),
+        "cost": cost,
+        "skipped": series.skipped,
+        "units": case.shown_units,
+        "warnings": [sentence for at in moments for sentence in doubts_at(at)],
+        "notes": doubts_at(
+            Differentiated(case, "run", one_sided, without_effect(found), {}, zero_flows(found))
+        ),
+    }
     folder = job.make_folder()
     if job.comm.rank == 0:
         units = {name: q.unit for name, q in described.items()}
