@@ -57,7 +57,6 @@ class BlockState:
         self.x[layout.size] = 1.0  # an absent stretch ratio is one
         self.derive: Callable[[Any], None] | None = None
         self._derived_index: dict[int, np.ndarray] = {}  # dofs of blocks that use derived fields, by id
-        self._results_heads: dict[int, tuple[int, ...]] = {}
         self._results: dict[tuple[int, str], BlockResults] = {}  # by id of the block and kernel
         self._seen: list[ElementBlock] = []  # keeps blocks that are not bound, so that their ids stay theirs
         self.kept: dict[Any, Any] | None = None  # see ``unchanged``
@@ -122,8 +121,16 @@ class BlockState:
         """The tables of ``results``, as they were evaluated last."""
         found = self._results.get((id(block), kernel))
         if found is None:
-            found = self._results[id(block), kernel] = BlockResults(kernel, columns, self.results_head(block))
+            found = BlockResults(kernel, columns, block, self.index_of(block), self.state_at)
+            self._results[id(block), kernel] = found
             self._seen.append(block)
+        return found
+
+    def evaluated(self, block: ElementBlock, kernel: str, columns: int) -> BlockResults:
+        """As ``results``, but evaluated now, for a block whose parameters may have changed since."""
+        self.index_of(block)  # computes the derived fields
+        found = self.block_results(block, kernel, columns)
+        found.evaluate()
         return found
 
     def have_results(self, members: dict[BlockResults, bool]) -> None:
@@ -145,23 +152,6 @@ class BlockState:
             self._derived_index[id(block)] = self.layout.index(block)
             self._seen.append(block)
         return self._derived_index[id(block)]
-
-    def results_head(self, block: ElementBlock) -> tuple[int, ...]:
-        """First arguments of a kernel that evaluates results of a block.
-
-        Number of elements and of unknowns of one; addresses of dofs, parameters and record; of x and y.
-        """
-        index = self.index_of(block)
-        if id(block) not in self._results_heads:
-            at = pointer(index), pointer(block.params)
-            self._results_heads[id(block)] = (
-                len(index),
-                index.shape[1],
-                *at,
-                block.context,
-                *self.state_at[:2],
-            )
-        return self._results_heads[id(block)]
 
     def dofs_of(self, name: str) -> np.ndarray:
         """Return the (nv, size) dofs of a field, or of a derived field after computing it."""

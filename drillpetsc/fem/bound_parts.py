@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, PrescribedMotion, VelocityStabilization
 from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.kernels import function, pointer
@@ -100,22 +100,23 @@ class BlockResults:
     table: (n, columns) of the elements; sums: (columns,) over the elements.
     """
 
-    def __init__(self, kernel: str, columns: int, head: tuple[int, ...]):
-        """kernel: entry point of the results; head: its first arguments, as ``Assembly.results_head`` returns them."""
-        count, width, index, parameters, record, x, y = head
-        self.table, self.sums = np.zeros((count, columns)), np.zeros(columns)
+    def __init__(
+        self, kernel: str, columns: int, block: ElementBlock, index: IntArray, state: tuple[int, ...]
+    ):
+        """kernel: entry point of the results; index: (n, k) dofs of the elements; state: addresses of unknowns, rates, ..."""
+        self.table, self.sums = np.zeros((len(index), columns)), np.zeros(columns)
         entry = function(kernel, "iippppp" + "p")
         self._call = _ResultCall(
             results=ctypes.cast(entry, ctypes.c_void_p).value,
-            index=index,
-            parameters=parameters,
-            record=record,
-            x=x,
-            y=y,
+            index=pointer(index),
+            parameters=pointer(block.params),
+            record=block.context,
+            x=state[0],
+            y=state[1],
             out=pointer(self.table),
             sums=pointer(self.sums),
-            count=count,
-            width=width,
+            count=len(index),
+            width=index.shape[1],
             columns=columns,
         )
         self.address = ctypes.addressof(self._call)

@@ -5,22 +5,19 @@ Manual: sec-beam.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.fem.component import ElementBlock, Field
-from drillpetsc.fem.dof_layout import DofLayout
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames, cross
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import interfaces
 from drillpetsc.physics.reference_frames import renew_reference_frames
 
-_results = function("beam_results", "iippppp" + "p")
 RESULT_NAMES = columns("beam_results").names
 ENERGIES = columns("beam_results").span("kinetic", "potential")  # in the order of ``Energies``
 _BALANCE = columns("beam_balance")
@@ -55,7 +52,6 @@ class AncfBeam(interfaces.Beam):
         self.mesh, self.frames, self.gravity = mesh, frames, np.asarray(gravity, dtype=float)
         self.position_scale = min(POSITION_SCALE, finest_motion)
         self._blocks: tuple[ElementBlock, ...] = ()
-        self._tables: tuple[DofLayout, list[np.ndarray]] | None = None
 
     def fields(self) -> tuple[Field, ...]:
         always = (
@@ -121,7 +117,7 @@ class AncfBeam(interfaces.Beam):
                     )
                 )
         self._blocks = tuple(blocks)
-        self._part, self._tables = part, None
+        self._part = part
         return self._blocks
 
     def place(self, system, position: FloatArray, tangent: FloatArray) -> None:
@@ -172,7 +168,7 @@ class AncfBeam(interfaces.Beam):
     def _twists(self, system) -> FloatArray:
         """Compute the twist (nc,) of each local element [rad]."""
         asm, cells = system.assembly, system.chain.cells
-        torque = self.element_results(system.layout, asm.x, asm.y)[:, RESULT_NAMES.index("torque")]
+        torque = self.element_results(asm)[:, RESULT_NAMES.index("torque")]
         return torque * self.mesh.length[cells] / self.mesh.torsional_stiffness[cells]
 
     def update_reference_frames(self) -> None:
@@ -208,30 +204,10 @@ class AncfBeam(interfaces.Beam):
         """Return (n, 3) the couples v x G of forces G conjugate to slopes v (manual: eq-beam-nodal-couple)."""
         return cross(values, rows)
 
-    def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
+    def element_results(self, state) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``RESULT_NAMES`` [J, J, J, N, N, N, N m, N m, N
         m]."""
-        if self._tables is None or self._tables[0] is not layout:
-            self._tables = layout, [layout.index(b) for b in self._blocks]
-        unknowns = pointer(x), pointer(y)
-        return self._results(
-            [
-                (len(b.points), index.shape[1], pointer(index), pointer(b.params), b.context, *unknowns)
-                for b, index in zip(self._blocks, self._tables[1], strict=True)
-            ]
-        )
-
-    def _results(self, heads: list[tuple[int, ...]]) -> FloatArray:
-        """As ``element_results``.  heads: of each block, as ``Assembly.results_head`` returns them."""
-        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
-        for b, head in zip(self._blocks, heads, strict=True):
-            if head[0] == len(out):  # all elements, in depth order
-                _results(*head, pointer(out))
-            elif head[0]:
-                part = np.zeros((head[0], len(RESULT_NAMES)))
-                _results(*head, pointer(part))
-                out[b.points] = part
-        return out
+        return results_of_cells(state, self._blocks, "beam_results")
 
     def energies_of(self, steps) -> tuple[Any, Any, Any]:
         parts = [steps.sums(b, "beam_balance", _BALANCE.width)[:, _STORED] for b in self._blocks]
@@ -240,3 +216,11 @@ class AncfBeam(interfaces.Beam):
     def powers_of(self, steps) -> tuple[Any, Any]:
         damped = (b for b in self._blocks if "damped" in b.kernel)
         return sum(steps.sums(b, "beam_balance", _BALANCE.width)[:, _DISSIPATED] for b in damped), 0.0
+
+
+def results_of_cells(state: Any, blocks: Iterable[ElementBlock], kernel: str) -> FloatArray:
+    """(nc, ..) results of the ``RESULT_NAMES`` that a kernel computes, per local cell; zero in joints."""
+    out = np.zeros((len(state.layout.chain.cells), len(RESULT_NAMES)))
+    for b in blocks:
+        out[b.points] = state.evaluated(b, kernel, len(RESULT_NAMES)).table
+    return out

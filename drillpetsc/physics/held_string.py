@@ -62,6 +62,6 @@ class HeldString(Beam):
         """(n, 3) zeros: the string passes no couples."""
         return np.zeros((len(values), 3))
 
-    def element_results(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
+    def element_results(self, state: Any) -> FloatArray:
         """(nc, 9) zeros per local cell."""
         return np.zeros((max(0, len(self._position) - 1), len(RESULT_NAMES)))

@@ -90,7 +90,7 @@ class Beam(Component):
         """
 
     @abstractmethod
-    def element_results(self, layout: Any, x: FloatArray, y: FloatArray) -> FloatArray:
+    def element_results(self, state: Any) -> FloatArray:
         """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``."""
 
 

@@ -19,7 +19,6 @@ from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, end_frames, local_vertices
 from drillpetsc.physics.tools.jar import LATCHED, Jar
 
-_results = function("joint_results", "iippppp")
 _directions = function("joint_directions", "ipppp")
 
 KINDS = columns("joint_kind").names
@@ -243,18 +242,7 @@ class Joints(Component):
         ``RESULT_NAMES``."""
         out = np.zeros((len(self.joints), len(RESULT_NAMES)))
         for b, chosen in zip(self._blocks, self._chosen, strict=True):
-            if len(chosen):
-                index, part = state.index_of(b), np.zeros((len(chosen), len(RESULT_NAMES)))
-                _results(
-                    len(chosen),
-                    index.shape[1],
-                    pointer(index),
-                    pointer(b.params),
-                    pointer(state.x),
-                    pointer(state.y),
-                    pointer(part),
-                )
-                out[chosen] = part
+            out[chosen] = state.evaluated(b, "joint_results", len(RESULT_NAMES)).table
         return out
 
     def energies(self, t: float, state) -> Energies:

@@ -234,7 +234,7 @@ def test_pure_bending_and_twist_have_the_strains_of_the_arc():
         system.set_field("string.position", np.column_stack([1 - np.cos(s), 0 * s, np.sin(s)]))
         system.set_field("string.strain", np.zeros((n + 1, 1)))
         system.set_field("string.quaternion", turned(beam.start, tau * s))
-        report = beam.element_results(system.layout, system.assembly.x, system.assembly.y)
+        report = beam.element_results(system.assembly)
         errors.append(
             (np.abs(report[:, 6] - tau).max(), abs(system.energies(0.0).strain - 0.5 * (1 + tau**2)))
         )

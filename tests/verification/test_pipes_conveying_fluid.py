@@ -147,9 +147,7 @@ def test_pressure_does_not_change_the_frequency_of_a_blind_pipe(load):
         ({"top": SLIDING, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED),
     ):
         model = tube.at_rest(fluid, **ends)
-        cells = model.beam.element_results(
-            model.system.layout, model.system.assembly.x, model.system.assembly.y
-        )
+        cells = model.beam.element_results(model.system.assembly)
         assert cells[:, 3:6] == pytest.approx(load * FORCE, abs=1e-5 * FORCE)
         assert oscillating(roots_of(*across(model)), 1).imag * tube.time == pytest.approx([exact], rel=2e-5)
 
@@ -170,9 +168,7 @@ def test_outside_pressure_does_not_buckle_a_closed_pipe(load):
         ({"top": held, "bottom": {"kind": "pinned", "plugged": True}}, CLAMPED_PINNED / CLAMPED_FREE),
     ):
         model = tube.at_rest(fluid, **ends)
-        cells = model.beam.element_results(
-            model.system.layout, model.system.assembly.x, model.system.assembly.y
-        )
+        cells = model.beam.element_results(model.system.assembly)
         assert cells[:, 3:6] == pytest.approx(-load * FORCE, abs=1e-5 * FORCE)
         assert oscillating(roots_of(*across(model)), 1).imag == pytest.approx([factor * exact], rel=2e-5)
 

@@ -343,7 +343,7 @@ def test_contact_force_of_a_helix():
     angle = np.unwrap(np.arctan2(position[:, 1], position[:, 0]))
     turns = (angle[middle.stop] - angle[middle.start]) / 2 / np.pi
     assert (depth[middle.stop] - depth[middle.start]) / abs(turns) == pytest.approx(17.9486, rel=5e-2)
-    beam = model.beam.element_results(system.layout, system.assembly.x, system.assembly.y)
+    beam = model.beam.element_results(system.assembly)
     assert beam[middle, 7].mean() == pytest.approx(6667.5, rel=3e-2)
 
 

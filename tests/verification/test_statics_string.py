@@ -340,7 +340,7 @@ def test_section_change_with_a_point_load(elements):
     tip = (m1 * g * l1**2 / 2 + (m2 * g * l2 + force) * l1) / ea1 + m2 * g * l2**2 / 2 / ea2
     moved = model.system.field("string.position")[-1, 2] - l1 - l2
     assert moved == pytest.approx(tip, rel=2e-11)
-    cells = model.beam.element_results(model.system.layout, model.system.assembly.x, model.system.assembly.y)
+    cells = model.beam.element_results(model.system.assembly)
     here = 9 * elements
     assert cells[here - 1, 5] == pytest.approx(m2 * g * l2 + force, rel=1e-8)
     assert cells[here, 3] == pytest.approx(m2 * g * l2, rel=1e-8)

@@ -28,7 +28,7 @@ def static_summary(model: DrillingModel, state: StaticState) -> dict[str, Any]:
     if not model.beam.moves:
         return flow_summary(model)
     asm, cells, report = system.assembly, system.chain.cells, state.equilibrium
-    beam = model.beam.element_results(system.layout, asm.x, asm.y)
+    beam = model.beam.element_results(asm)
     length, column = mesh.length[cells], RESULT_NAMES.index
     mean = (
         beam[:, column("axial_upper")] + 4 * beam[:, column("axial_middle")] + beam[:, column("axial_lower")]

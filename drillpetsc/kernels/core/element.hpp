@@ -101,6 +101,21 @@ void run_jacobian(int n, const int* idx, const int* nodes, const double* par, vo
     }
 }
 
+// Results of n elements: Kernel::results(x, y, p, ctx, out) fills RESULTS numbers from the unknowns and rates of each.
+template <class Kernel>
+void run_element_results(int n, const int* idx, const double* par, void* ctx, const double* x, const double* y, double* out) {
+    constexpr int D = Kernel::D;
+    for (int e = 0; e < n; ++e) {
+        double X[D], Y[D];
+        for (int i = 0; i < D; ++i) { X[i] = x[idx[e * D + i]]; Y[i] = y[idx[e * D + i]]; }
+        Kernel::results(X, Y, par + e * Kernel::NP, ctx, out + e * Kernel::RESULTS);
+    }
+}
+
+#define DP_RESULTS(name, Kernel)                                                                                                              \
+    extern "C" void name##_results(int n, int, const int* idx, const double* par, void* ctx, const double* x, const double* y, double* out) { \
+        dp::run_element_results<Kernel>(n, idx, par, ctx, x, y, out);                                                                         \
+    }
 #define DP_RESIDUAL(name, Kernel) DP_RESIDUAL_BY(name, Kernel, dp::run_residual<Kernel>)
 #define DP_RESIDUAL_BY(name, Kernel, run)                                                                            \
     extern "C" void name##_residual(int n, const int* idx, const double* par, void* ctx, const double* x,           \

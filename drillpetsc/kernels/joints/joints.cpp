@@ -16,7 +16,7 @@ DP_EXPORT(joint_results, JointResultsText)
 DP_EXPORT(joint_kind, JointKind::KindText)
 
 // Results of n joints; width: unknowns of a joint in idx.
-extern "C" void joint_results(int n, int width, const int* idx, const double* par, const double* x, const double* y, double* results) {
+extern "C" void joint_results(int n, int width, const int* idx, const double* par, void*, const double* x, const double* y, double* results) {
     typedef JointParameters P;
     JointResults* out = reinterpret_cast<JointResults*>(results);
     for (int e = 0; e < n; ++e) {

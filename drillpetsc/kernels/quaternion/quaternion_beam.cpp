@@ -47,7 +47,7 @@ R bending(const double* p, const Strains<R>& s) { return p[P::EI] * std::hypot(s
 }  // namespace
 
 // width: unknowns of an element; out: (n, BEAM_RESULTS)
-extern "C" void quaternion_beam_results(int n, int width, const int* idx, const double* par, const double* x, const double* y, double* out) {
+extern "C" void quaternion_beam_results(int n, int width, const int* idx, const double* par, void*, const double* x, const double* y, double* out) {
     for (int k = 0; k < n; ++k) {
         const double *p = par + k * P::NP, L = p[P::LENGTH];
         const Element e(idx + width * k, width, p[P::RIGID], x, y);
@@ -71,24 +71,22 @@ extern "C" void quaternion_beam_results(int n, int width, const int* idx, const 
     }
 }
 
-// power turned into heat by material and mass damping, summed over n elements [W]
-extern "C" double quaternion_beam_dissipation(int n, int width, const int* idx, const double* par, const double* x, const double* y) {
-    double total = 0;
+// power turned into heat by material and mass damping: out (n,) [W]
+extern "C" void quaternion_beam_dissipation(int n, int width, const int* idx, const double* par, void*, const double* x, const double* y, double* out) {
     for (int k = 0; k < n; ++k) {
         const double *p = par + k * P::NP, L = p[P::LENGTH];
         const Element e(idx + width * k, width, p[P::RIGID], x, y);
         const Node<R> n1(e.X, e.Y, e.Y), n2(e.X + 8, e.Y + 8, e.Y + 8);
-        total += p[P::ALPHA] * L * (p[P::MASS] * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[P::POLAR] * spin_form(n1.spin, n2.spin));
+        out[k] = p[P::ALPHA] * L * (p[P::MASS] * mass_form(L, vec(e.Y), n1.w, vec(e.Y + 8), n2.w) + p[P::POLAR] * spin_form(n1.spin, n2.spin));
         for (int g = 0; g < 3; ++g) {
             const Shape<R, R> N(XI3[g], 1 / L);
             const Interpolated<R, R> u(N, XI3[g], 1 / L, vec(e.X + 8) - vec(e.X), n1.v, n2.v, n1.unit, n2.unit);
             const Interpolated<R, R> w(N, XI3[g], 1 / L, vec(e.Y + 8) - vec(e.Y), n1.w, n2.w, n1.unit_rate(), n2.unit_rate());
             const Strains<Rated<R>> q = rates_of(u.r1, u.r2, u.p, u.s, w.r1, w.r2, w.p, w.s);
-            total += p[P::BETA] * L * W3[g] * (p[P::EA] * q.stretch.d * q.stretch.d + p[P::GJ] * q.k1.d * q.k1.d +
+            out[k] += p[P::BETA] * L * W3[g] * (p[P::EA] * q.stretch.d * q.stretch.d + p[P::GJ] * q.k1.d * q.k1.d +
                                              p[P::EI] * (q.k2.d * q.k2.d + q.k3.d * q.k3.d));
         }
     }
-    return total;
 }
 
 // (n, 8) motion of n nodes: slope r' (3), tangent (3), spin rate [rad/s], angle about the tangent from the smallest rotation of the frame

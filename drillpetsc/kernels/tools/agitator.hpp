@@ -53,7 +53,7 @@ struct Agitator : AgitatorParameters {
     }
 
     // speed: of the halves apart [m/s]
-    static void results(const double* x, const double* y, const double* p, double* out) {
+    static void results(const double* x, const double* y, const double* p, void*, double* out) {
         const Values<double> q = evaluate(x, p);
         const Vec<double> v = vec(x + 3), t = v / norm(v);
         out[PRESSURE] = q.pressure; out[FORCE] = q.pressure * p[AREA]; out[FLOW_RATE] = q.flow;

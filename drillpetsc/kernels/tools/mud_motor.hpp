@@ -5,6 +5,8 @@
 #include "fluid/flow.hpp"
 #include "tools/motor_law.hpp"
 
+extern "C" void body_energy(int n, int width, const int* idx, const double* par, const void* record, const double* x, const double* y, double* out);
+
 namespace dp {
 
 struct MudMotorParameters {
@@ -20,7 +22,7 @@ struct MudMotorParameters {
         GRAVITY,                               // 3: [m/s2]
         REFERENCE1 = GRAVITY + 3, SECOND1 = REFERENCE1 + 3, REFERENCE2 = SECOND1 + 3, SECOND2 = REFERENCE2 + 3,  // 3 each: frames of both nodes
         NP = SECOND2 + 3)
-    DP_ENUM(Result, TORQUE, SPEED, PRESSURE, STALLED, ORBIT_SPEED, LEAK, FLOW_RATE, RESULTS)
+    DP_ENUM(Result, TORQUE, SPEED, PRESSURE, STALLED, ORBIT_SPEED, LEAK, FLOW_RATE, KINETIC, POTENTIAL, RESULTS)
 };
 
 template <bool FLOWING>
@@ -99,8 +101,9 @@ struct MudMotor : MudMotorParameters {
         if constexpr (FLOWING) r[RATE] = q.law.pressure * MOMENTUM_ROW;
     }
 
-    static void results(const double* x, const double* y, const double* p, const MotorTable* table, double* out) {
-        const Values<double> q = evaluate(x, p, table);
+    // kinetic: of the rotor's own and of its orbiting motion
+    static void results(const double* x, const double* y, const double* p, void* table, double* out) {
+        const Values<double> q = evaluate(x, p, static_cast<const MotorTable*>(table));
         out[TORQUE] = q.torque;
         out[SPEED] = p[HELD] > 0 ? q.law.speed : y[BELOW] - y[ABOVE];
         out[PRESSURE] = q.law.pressure;
@@ -108,6 +111,20 @@ struct MudMotor : MudMotorParameters {
         out[ORBIT_SPEED] = p[HELD] > 0 ? y[ABOVE] - p[LOBES] * out[SPEED] : orbit(y, p);
         out[LEAK] = q.law.leak;
         out[FLOW_RATE] = q.flow;
+        constexpr int own[7] = {0, 1, 2, 3, 4, 5, 6};
+        double body[Body::NP], U[7], W[7], found[2];
+        rotor(p, body);
+        body_energy(1, 7, own, body, nullptr, x + 7, y + 7, found);
+        out[KINETIC] = found[0];
+        out[POTENTIAL] = 0.0;
+        if (p[ROTOR_MASS] > 0) {
+            for (int i = 0; i < 6; ++i) { U[i] = x[i]; W[i] = y[i]; }
+            U[6] = orbit(x, p); W[6] = orbit(y, p);
+            orbiting_body(p, body);
+            body_energy(1, 7, own, body, nullptr, U, W, found);
+            out[KINETIC] += found[0];
+            out[POTENTIAL] += found[1];
+        }
     }
 };
 

@@ -25,6 +25,14 @@ struct Reamer {
         PLACE = POINT + 3,       // of that point below the shoulder at the start [m]
         MODE, SPIN,              // BitMode; imposed rotation [rad/s]
         NP)
+    static constexpr int RESULTS = sizeof(ReamerResults) / sizeof(double);
+
+    static void results(const double* x, const double* y, const double* p, void* context, double* out) {
+        double r[D];
+        ReamerResults now{};
+        evaluate<double>(x, y, p, *static_cast<BitLaw*>(context), r, &now);
+        *reinterpret_cast<ReamerResults*>(out) = now;
+    }
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T*, const S* p, void* context, T* r) {

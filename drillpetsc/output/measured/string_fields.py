@@ -81,7 +81,7 @@ class StringFields:
     def _element_results(self, state) -> FloatArray:
         """(nc, 9) results of the beam, with the mud's share of the wall's tension."""
         beam = self.model.beam
-        results = beam.element_results(self.model.system.layout, state.x, state.y)
+        results = beam.element_results(state)
         if self.mud is not None:
             results[:, _AXIAL] += self.mud.wall_tension()
         return results

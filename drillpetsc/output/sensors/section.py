@@ -11,7 +11,6 @@ from drillpetsc.case.blocks.sensors import Sensor, sensor_depth
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.physics.beam import RESULT_NAMES
-from drillpetsc.physics.interfaces import Beam
 
 _COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
 #: parts of a section's record, by name
@@ -83,7 +82,7 @@ class SensorSection:
         """Write torque [N m], effective tension [N], pressures in bore and annulus [Pa] into ``out`` (4,) as far as requested."""
         s = self.share
         if self._wants & {"torque", "wob"}:
-            row = asm.evaluate_once(_element_results, self.model.beam, asm)[self._local]
+            row = asm.evaluate_once(self.model.beam.element_results, asm)[self._local]
             out[0] = row[_COLUMN["torque"]]
             out[1] = (1 - s) * row[_COLUMN["axial_upper"]] + s * row[_COLUMN["axial_lower"]]
             if self.mud is not None and "wob" in self._wants:
@@ -132,10 +131,6 @@ class SensorSection:
         out[:, PARTS["bend"]] = curved - t * np.sum(t * curved, axis=1, keepdims=True)
         out[:, 24:28] = rest[:, 7:11]
         return out
-
-
-def _element_results(beam: Beam, asm: Any) -> FloatArray:
-    return np.asarray(beam.element_results(asm.layout, asm.x, asm.y))
 
 
 def _sum(weights: tuple[float, ...], values: tuple[FloatArray, ...]) -> FloatArray:

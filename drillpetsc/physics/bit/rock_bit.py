@@ -410,7 +410,7 @@ class RockBit(Bit):
             if self.pattern:
                 now[12] = self.params["angle"][0]
             if self.own is not None and self.own.memory_names:
-                self.element_results_at(state)
+                state.evaluated(self._block, self._results, RESULTS.width)
                 now[self._memory_from :] = self.own.next_memory
         return now
 
@@ -484,22 +484,6 @@ class RockBit(Bit):
         energy [J], power into the rock [W], depth [m], offset of the bit's centre from the hole's axis [m],
         rate of penetration in space (3) [m/s], forces and couple of the side; zero without the bit."""
         return np.asarray(steps.sums(self._block, self._results, RESULTS.width))
-
-    def element_results_at(self, state) -> FloatArray:
-        """``element_results`` (1, columns) computed anew, on the rank that has the bit."""
-        out, index = np.zeros((1, RESULTS.width)), np.ascontiguousarray(state.index_of(self._block))
-        compute = function(self._results, "iipppppp")
-        compute(
-            1,
-            index.shape[1],
-            pointer(index),
-            pointer(self.params.array),
-            self._block.context,
-            pointer(state.x),
-            pointer(state.y),
-            pointer(out),
-        )
-        return out
 
     @property
     def side_contact(self) -> SideContact:

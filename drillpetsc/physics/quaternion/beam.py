@@ -25,12 +25,10 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, structure
-from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, RESULT_NAMES
+from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, results_of_cells
 from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
-_results = function("quaternion_beam_results", "iippppp")
-_dissipation = function("quaternion_beam_dissipation", "iipppp", ctypes.c_double)
 _motion = function("quaternion_motion", "ippppp")
 _view = function("quaternion_view", "ippppp")
 _StartFrames = structure("start_frames")  # StartFrames of kernels/quaternion/on_quaternion.hpp
@@ -382,34 +380,16 @@ class QuaternionBeam(Beam):
         turns = product(as_quaternion(np.eye(3))[None], values[:, None])
         return np.asarray(0.5 * np.sum(turns * rows[:, None], axis=2))
 
-    def element_results(self, layout: DofLayout, x: FloatArray, y: FloatArray) -> FloatArray:
-        """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``; bending is that beyond
-        the stress-free shape."""
-        out = np.zeros((len(self._part.cells), len(RESULT_NAMES)))
-        for b in self._elements:
-            if len(b.points):
-                part, index = np.zeros((len(b.points), len(RESULT_NAMES))), layout.index(b)
-                _results(
-                    *index.shape, pointer(index), pointer(b.params), pointer(x), pointer(y), pointer(part)
-                )
-                out[b.points] = part
-        return out
+    def element_results(self, state) -> FloatArray:
+        """(nc, 9) per local cell in depth order: the columns of ``physics.beam.RESULT_NAMES``.
+
+        The bending energy counts the bend beyond the stress-free shape.
+        """
+        return results_of_cells(state, self._elements, "quaternion_beam_results")
 
     def energies(self, t: float, state) -> Energies:
-        return Energies(
-            *map(float, self.element_results(state.layout, state.x, state.y)[:, ENERGIES].sum(axis=0))
-        )
+        return Energies(*map(float, self.element_results(state)[:, ENERGIES].sum(axis=0)))
 
     def powers(self, t: float, state: Any) -> Powers:
-        lost = 0.0
-        for b in self._elements:
-            if "damped" in b.kernel and len(b.points):
-                index = state.index_of(b)
-                lost += _dissipation(
-                    *index.shape,
-                    pointer(index),
-                    pointer(b.params),
-                    pointer(state.x),
-                    pointer(state.y),
-                )
-        return Powers(lost)
+        damped = (b for b in self._elements if "damped" in b.kernel)
+        return Powers(sum(state.evaluated(b, "quaternion_beam_dissipation", 1).sums.item() for b in damped))

@@ -14,14 +14,12 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Field, Powers, Start
 from drillpetsc.fem.quantity import Quantity, numbered
 from drillpetsc.fem.string_mesh import StringMesh
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
 from drillpetsc.physics.end_conditions import Input
 from drillpetsc.physics.tools.mud_motor import MUD_SLOTS
 
-_values = function("agitator_values", "iippppp")
 RESULTS = columns("agitator_results")
 
 
@@ -123,13 +121,8 @@ class Agitator(Component):
 
     def figures(self, t: float, state: Any) -> FloatArray:
         """Numbers of its quantities at the time ``t`` [s], in the order of ``RESULTS``; this rank's share."""
-        out = np.zeros((len(self._block.points), RESULTS.width))
-        if not len(out):
-            return np.zeros(RESULTS.width)
         self._update(t)
-        n, width, index, params, _, x, y = state.results_head(self._block)
-        _values(n, width, index, params, x, y, pointer(out))
-        return out[0]
+        return np.array(state.evaluated(self._block, self._block.results_kernel, RESULTS.width).sums)
 
     def powers(self, t: float, state: Any) -> Powers:
         r = self.figures(t, state)

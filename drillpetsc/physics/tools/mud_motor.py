@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Energies, Field, Powers, Start
-from drillpetsc.fem.quantity import Quantity
+from drillpetsc.fem.component import DRIVE, Component, ElementBlock, Field, Powers, Start
+from drillpetsc.fem.quantity import OneStep, Quantity
 from drillpetsc.geometry.frames import directors, tool_face_zero
-from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, columns
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.beam import SLOTS
@@ -23,8 +22,6 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.rigid_bodies import end_frames, local_vertices
 from drillpetsc.physics.tools.motor_law import SLIP, MotorLaw
 
-_values = function("mud_motor_values", "iippppp" + "p")
-_energies = function("mud_motor_energies", "iippppp")
 RESULTS = columns("mud_motor_results")
 LEAST_STATIC = (
     1.0e-3  # least speed of a motor in statics as a share of its free speed, for the direction of friction
@@ -245,14 +242,10 @@ class MudMotor(Component):
     # ------------------------------------------------------------------ results
     def _results(self, state: Any) -> FloatArray:
         """(7,) results by the names of ``RESULTS``; zero on ranks without the motor."""
-        out = np.zeros((len(self._block.points), RESULTS.width))
-        if not len(out):
-            return np.zeros(RESULTS.width)
-        n, width, index, params, context, x, y = state.results_head(self._block)
-        _values(n, width, index, params, context, x, y, pointer(out))
+        out = np.array(state.evaluated(self._block, self._block.results_kernel, RESULTS.width).sums)
         if self._held:  # the joint has the torque
-            out[0, RESULTS["torque"]] = self._of_joint("torque", state)
-        return out[0]
+            out[RESULTS["torque"]] = self._of_joint("torque", state)
+        return out
 
     def _of_joint(self, name: str, state: Any) -> float:
         """Result of the motor's joint, on the rank that has it."""
@@ -307,13 +300,10 @@ class MudMotor(Component):
         zero = tool_face_zero(tangent)
         return float(np.arctan2(towards @ np.cross(tangent, zero), towards @ zero))
 
-    def energies(self, t: float, state: Any) -> Energies:
-        if not len(self._block.points):
-            return Energies()
-        n, width, index, params, _, x, y = state.results_head(self._block)
-        out = np.zeros((1, 2))
-        _energies(n, width, index, params, x, y, pointer(out))
-        return Energies(kinetic=float(out[0, 0]), potential=float(out[0, 1]))
+    def energies_of(self, steps: OneStep) -> tuple[Any, Any, Any]:
+        """Energies of the rotor."""
+        found = steps.sums(self._block, self._block.results_kernel, RESULTS.width)
+        return found[:, RESULTS["kinetic"]], 0.0, found[:, RESULTS["potential"]]
 
     def powers(self, t: float, state: Any) -> Powers:
         if not len(self._block.points) or self._held:

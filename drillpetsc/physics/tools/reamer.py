@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Energies, Field, Powers
-from drillpetsc.fem.quantity import Quantity, numbered
+from drillpetsc.fem.component import Component, ContactFlags, ElementBlock, Field
+from drillpetsc.fem.quantity import OneStep, Quantity, numbered
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
-from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import Parameters, columns, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.bit.bit_profile import CHIPS, profile_derivative
@@ -24,7 +24,6 @@ from drillpetsc.physics.bit.rock_bit import KINDS, MOTION, QUASI_STATIC, STATICS
 from drillpetsc.physics.contact import ONSET, penetration
 from drillpetsc.physics.rigid_bodies import VERTEX_SLOTS, local_vertices
 
-_results = function("reamer_results", "ipppppp")
 _Law = structure("bit_law")
 RESULTS = columns("reamer_results")
 LIFTED = 0.01  # distance of the cutters from the shoulder above which they do not touch it [m]
@@ -258,33 +257,23 @@ class Reamer(Component):
         self._hole.widen_to(self._section, self._reamed)
 
     # ------------------------------------------------------------------ results
-    def element_results(self, state) -> FloatArray:
-        """(5,) the columns of ``RESULTS``: weight [N], torque [N m], rate [m/s], stored energy [J], power [W]."""
-        return state.evaluate_once(self._evaluate_results, state)
+    def element_results_of(self, steps: OneStep) -> FloatArray:
+        """Results of the reamer by ``RESULTS``: (k, ..) after each of k steps, zero on the other ranks."""
+        return np.asarray(steps.sums(self._block, self._block.results_kernel, RESULTS.width))
 
-    def _evaluate_results(self, state) -> FloatArray:
-        out = np.zeros(RESULTS.width)
-        if self._mine:
-            _results(
-                int(self._profiled),
-                pointer(state.index_of(self._block)),
-                pointer(self.params.array),
-                ctypes.addressof(self._made),
-                pointer(state.x),
-                pointer(state.y),
-                pointer(out),
-            )
-        return out
+    def element_results(self, state) -> FloatArray:
+        """Results of the reamer by ``RESULTS``, zero on the other ranks."""
+        return np.asarray(self.element_results_of(OneStep(state, 0.0))[0])
 
     def depth(self, state) -> float:
         """Measured depth of the shoulder [m] on the rank with the reamer, 0 elsewhere."""
         return self.shoulder + float(state.x[state.index_of(self._block)[0, 7]]) if self._mine else 0.0
 
-    def energies(self, t: float, state) -> Energies:
-        return Energies(strain=float(self.element_results(state)[RESULTS["stored"]]))
+    def energies_of(self, steps: OneStep) -> tuple[Any, Any, Any]:
+        return 0.0, self.element_results_of(steps)[:, RESULTS["stored"]], 0.0
 
-    def powers(self, t: float, state) -> Powers:
-        return Powers(float(self.element_results(state)[RESULTS["dissipated"]]))
+    def powers_of(self, steps: OneStep) -> tuple[Any, Any]:
+        return self.element_results_of(steps)[:, RESULTS["dissipated"]], 0.0
 
     def quantities(self) -> tuple[Quantity, ...]:
         return tuple(q.numbered(self._number) for q in declared.REAMER)

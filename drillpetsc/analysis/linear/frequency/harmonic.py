@@ -291,7 +291,7 @@ def _forces(model: DrillingModel, mud: FlowRecorder | None) -> FloatArray:
     """(nc, 11) of the local elements in the present state: elastic tension at both ends, elastic torque, tension of the
     wall by the pressures at both ends, bending moment at both ends."""
     asm, beam = model.system.assembly, model.beam
-    elastic = beam.element_results(model.system.layout, asm.x, asm.y)[:, _COLUMNS]
+    elastic = beam.element_results(asm)[:, _COLUMNS]
     pressed = np.zeros((len(elastic), 2)) if mud is None else mud.wall_tension()
     return np.hstack([elastic, pressed, end_forces(model).moment.reshape(len(elastic), 6)])
 
