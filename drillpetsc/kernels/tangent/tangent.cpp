@@ -224,7 +224,8 @@ void add_besides(const TangentCall& c) {
         for (int i = q.low; i < q.high; ++i) x[i] = s.x[i] - q.change * along[i];
         for (int p = 0; p < q.part_count; ++p)
             if (q.parts[p].moved || !same_everywhere(q.parts[p])) add_parts(1, q.parts + p, q.parts[p].moved ? x : s.x, s.y, s.a, r);
-        for (int i = q.first; i < q.last; ++i) rows[i] += q.weight * r[i];
+        for (int i = q.first; i < q.last; ++i) r[i] *= q.weight;  // by itself: a fused product would not cancel that of an equal system
+        for (int i = q.first; i < q.last; ++i) rows[i] += r[i];
     }
 }
 }  // namespace

@@ -161,6 +161,12 @@ class RockBit(Bit):
             r.turn_rounding = min(r.turn_rounding, law.speed / 100)  # the bit breaks loose at this speed
         return r
 
+    def _constants(self) -> tuple[Any, ...]:
+        """Numbers of the record."""
+        numbers = [getattr(self._made, name) for name, kind in _Law._fields_ if kind is ctypes.c_double]
+        tables = [getattr(self, name, None) for name in ("_orders", "_derivative")]
+        return (np.array(numbers), self._layers, *(t for t in tables if t is not None))
+
     def fields(self) -> tuple[Field, ...]:
         free = not self.rock.post_step
         scale = 1e-3
@@ -235,6 +241,8 @@ class RockBit(Bit):
             (0,),
             self.params.array,
             context=ctypes.addressof(self._made),
+            constants=() if self.own_laws else self._constants(),
+            remembers=True,
             update=self._note if self.remembers else None,
         )
         self._follow()

@@ -189,6 +189,8 @@ class BitFlow(Component):
             (),
             params.array,
             context=self.fluid.address,
+            constants=self.fluid.constants,
+            remembers=True,
             update=self._update_of(params),
         )
         self._block.keep = (self.fluid,)

@@ -66,8 +66,9 @@ class GivenMotion:
             if not self._turns and not self._follows[k]:
                 continue  # compiled code adds them up
             weights = np.array([beside.weight for _, beside in group])
+            # the weights sum to zero, so what is common drops out, without rounding
             position, rate, turn = (
-                np.tensordot(weights, np.array(parts), 1)
+                np.tensordot(weights[1:], np.array(parts[1:]) - parts[0], 1)
                 for parts in (
                     [g.value for g, _ in group],
                     [g.rate for g, _ in group],
@@ -75,7 +76,7 @@ class GivenMotion:
                 )
             )
             self.position[k], self.rate[k] = position @ f.D, rate @ f.D
-            if self._turns:  # the weights sum to zero, so common directions drop out
+            if self._turns:
                 self.position[k] -= f.D.T @ (turn @ x[f.rows])
                 across = -(turn.T @ f.D + f.D.T @ turn)
                 self.rate[k] += across @ y[f.rows] + turn.T @ f.rate
