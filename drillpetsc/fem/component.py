@@ -378,6 +378,9 @@ class Component:
     def apply_update(self, total: FloatArray) -> None:
         """Apply the sum of ``local_update`` over all ranks."""
 
+    #: a component beside a run whose history has left that of its leader so far that their difference says nothing
+    strayed: bool = False
+
     def follow(self, leader: Component) -> None:
         """Renew in ``accept`` what ``leader`` has renewed after the same step, neither more nor less.
 

@@ -310,6 +310,11 @@ class DiscreteSystem:
         for component in self._remembering:
             component.follow(theirs[component.name])
 
+    @property
+    def strayed(self) -> bool:
+        """Whether a component has left its leader; the same on all ranks."""
+        return any(component.strayed for component in self._remembering)
+
     def renew_reference_frames(self) -> bool:
         """Replace reference directions that are nearly opposite to the tangent.
 

@@ -31,6 +31,7 @@ _beyond = function("bit_beyond", "dd", ctypes.c_double)
 
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
+STRAYED = 1e-3  # distance [m] from the end of the hole that the bit follows, a few millionths of a parameter beside it
 ON_ROCK = -constant("contact_onset")  # depth from which the bit touches [m]
 KINDS = columns("bit_kind")
 RESULTS = columns("bit_rock_results")
@@ -85,6 +86,7 @@ class RockBit(Bit):
         if self.own is not None:
             self.update_size += len(self.own.memory_names)
         self._zero_angle = 0.0
+        self._leader: RockBit | None = None
         self._made = self._law_record()
         self._flags = np.frombuffer(self._made, dtype=np.int32, count=1, offset=_Law.touching.offset)
         self._time = self._accepted = 0.0
@@ -377,7 +379,7 @@ class RockBit(Bit):
     # ------------------------------------------------------------------ growth
     def follow(self, leader: Component) -> None:
         assert isinstance(leader, RockBit)
-        self.hole.leader = leader.hole
+        self._leader, self.hole.leader = leader, leader.hole
 
     @property
     def remembers(self) -> bool:
@@ -416,6 +418,10 @@ class RockBit(Bit):
 
     def apply_update(self, total: FloatArray) -> None:
         """Store the sum of ``local_update`` over all ranks; the wall follows the end."""
+        if self._leader is not None:
+            self.strayed = not np.abs(total[:4] - self._leader._end).max() <= STRAYED
+            if self.strayed:
+                return
         self._end, self._accepted = total[:4], total.item(4)  # a new array in every step
         if self.pattern:
             self._zero_angle = float(total[12])

@@ -63,6 +63,8 @@ class StepTangent:
             for others in [[[(b.system.assembly.row_replacements[i], b) for b in group] for group in groups]]
         ]
         self._frames = self.system.frames_renewed
+        #: by number of the parameter: time [s] from which a history beside the run has left it, so that there is no derivative
+        self.lost: dict[int, float] = {}
         self._make_call()
         self.read_only(None)
         self._take_states(rates=True)
@@ -176,6 +178,8 @@ class StepTangent:
                 time=t,
             )
         self.x, self.y, self.a = self._solve(t)
+        for k in self.lost:
+            self.x[k] = self.y[k] = self.a[k] = 0.0
         self.formula.advance(t, self.x, self.y, self.a)
 
     def _accept(self, t: float, dt: float) -> None:
@@ -185,9 +189,12 @@ class StepTangent:
 
     def _accept_here(self, t: float) -> None:
         """Let the components of the systems beside the run go on from the end ``t`` [s] of a step, as those of the run have."""
-        for group in self.groups:
+        for k, group in enumerate(self.groups):
             for beside in group:
-                beside.system.accept(t)
+                if k not in self.lost:
+                    beside.system.accept(t)
+                    if beside.system.strayed:
+                        self.lost[k] = t
 
     # ------------------------------------------------------------------ a step
     def _solve(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -283,9 +283,12 @@ class _Run:
         for k, group in enumerate(self.beside):
             for one in group:
                 slopes[:, :, k] += one.weight * next(rows)
+        times = np.array(self.times)
+        for k, lost in self.tangent.lost.items() if self.tangent is not None else ():
+            slopes[times >= lost, :, k] = np.nan
         spent = clock.process_time() - began
         return RunSeries(
-            np.array(self.times),
+            times,
             base,
             slopes,
             np.array(self.steps),
