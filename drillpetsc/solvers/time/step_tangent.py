@@ -69,9 +69,7 @@ class StepTangent:
         integrator.follower = self
         integrator.newton.iteration.serve_others()
         self._began = False
-        for group in groups:
-            for beside in group:
-                beside.system.follow(self.system)
+        self.system.lead([b.system for group in groups for b in group])
         if self._remember:
             integrator.after_step.append(self._accept)
 
@@ -184,9 +182,7 @@ class StepTangent:
 
     def _accept_here(self, t: float) -> None:
         """Let the components of the systems beside the run go on from the end ``t`` [s] of a step, as those of the run have."""
-        for group in self.groups:
-            for beside in group:
-                beside.system.accept(t)
+        self.system.accept_beside(t)
 
     # ------------------------------------------------------------------ a step
     def _solve(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
