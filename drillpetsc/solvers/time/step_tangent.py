@@ -140,6 +140,7 @@ class StepTangent:
         if isinstance(self.formula, BdfDerivatives):
             self.formula.start(t, self.x, self.y)
             return
+        assert isinstance(self.integrator, GeneralizedAlpha)
         n = self.system.layout.size
         more = [np.zeros_like(self.x), np.zeros_like(self.x)]
         self._beside.move(self.x, self.y, self.a)
@@ -150,7 +151,7 @@ class StepTangent:
                 asm.invalidate_prescribed_values()
                 if jumped:
                     begin.jump(t)
-                begin.accelerations(t)
+                begin.accelerations(t, self.integrator.begin)
                 found.append((begin.rate_of_unknowns(), begin.second_derivative()))
             for i, out in enumerate(more):
                 out[k, :n] = self._difference(k, [q[i] for q in found])
