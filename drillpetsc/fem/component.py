@@ -9,7 +9,7 @@ default, so a component implements only what it needs.  Nothing here uses PETSc 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -381,11 +381,16 @@ class Component:
     #: a component beside a run whose history has left that of its leader so far that their difference says nothing
     strayed: bool = False
 
-    def follow(self, leader: Component) -> None:
+    def follow(self, leader: Component, state: Any) -> None:
         """Renew in ``accept`` what ``leader`` has renewed after the same step, neither more nor less.
 
-        leader: the same component of a run; this one is of a system beside it.
+        leader: the same component of a run; this one is of a system beside it, with the assembly ``state``.
         """
+
+    def accept_beside(self, t: float, others: Sequence[tuple[Component, Any]]) -> None:
+        """Let ``others``, which follow this component, ``accept`` with their assemblies what it has accepted."""
+        for other, state in others:
+            other.accept(t, state)
 
     def get_state(self) -> dict[str, FloatArray]:
         """History variables for a checkpoint, the same on all ranks; empty without any."""

@@ -74,6 +74,8 @@ class DiscreteSystem:
         self._working = self._with_own("powers", "powers_of")
         #: components with history variables
         self._remembering = [c for c in self.components if c.remembers]
+        #: of each component, those that follow it in systems beside this one, with their assemblies
+        self._beside: list[tuple[Component, list[tuple[Component, Assembly]]]] = []
         #: how often reference frames were renewed
         self.frames_renewed = 0
         #: components with reference frames
@@ -300,15 +302,28 @@ class DiscreteSystem:
         asm = self.assembly
         for component in self._remembering:
             component.accept(t, asm)
-            if component.update_size:
-                change = component.local_update(asm)
-                component.apply_update(change if self._serial else total(self.comm, change))
+            self._update_component(component, asm)
 
-    def follow(self, leader: DiscreteSystem) -> None:
-        """Renew in ``accept`` what ``leader`` has renewed: the system of a run, beside which this one is."""
-        theirs = {component.name: component for component in leader.components}
-        for component in self._remembering:
-            component.follow(theirs[component.name])
+    def _update_component(self, component: Component, asm: Assembly) -> None:
+        if component.update_size:
+            change = component.local_update(asm)
+            component.apply_update(change if self._serial else total(self.comm, change))
+
+    def lead(self, others: Sequence[DiscreteSystem]) -> None:
+        """Let ``others``, systems beside this one, renew in ``accept_beside`` what this one has renewed in ``accept``."""
+        for component in self.components:
+            theirs = [(q, o.assembly) for o in others for q in o._remembering if q.name == component.name]
+            for other, state in theirs:
+                other.follow(component, state)
+            if theirs:
+                self._beside.append((component, theirs))
+
+    def accept_beside(self, t: float) -> None:
+        """Accept in the systems beside this one the end ``t`` [s] of a step that this one has accepted (collective)."""
+        for component, theirs in self._beside:
+            component.accept_beside(t, theirs)
+            for other, state in theirs:
+                self._update_component(other, state)
 
     @property
     def strayed(self) -> bool:

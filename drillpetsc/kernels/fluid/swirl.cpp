@@ -12,10 +12,14 @@ DP_ENUM(Swirl, SHARE, SPIN, SWIRL, TREND, FOLLOW, NOW, RATE, ROWS)
 // A block whose parameters (count, width) have share, swirl, swirl_rate and spin_rate at these columns; rows: of its elements in the state.
 DP_RECORD(SwirlBlock, const int* rows; double* parameters; const int* columns; int count, width;)
 
+// A swirl about n elements: its state and blocks; places (n, 2) of the spins of the elements' nodes in the rates; spins (n): work.
+DP_RECORD(SwirlCall, double* state; const SwirlBlock* blocks; const int* places; const double* rates; double* spins; int n, block_count;)
+
 }  // namespace
 
 DP_EXPORT(swirl_rows, SwirlText)
 DP_EXPORT_RECORD(swirl_block, SwirlBlock)
+DP_EXPORT_RECORD(swirl_call, SwirlCall)
 
 extern "C" {
 
@@ -63,6 +67,20 @@ void swirl_accept(int n, double step, int known, const double* spins, double* v,
     }
     for (int i = 0; i < n; ++i) v[SPIN * n + i] = spins[i];
     swirl_write(n, v, 1, 0.0, blocks, block);
+}
+
+// swirl_write and swirl_accept of several swirls, which have the same times.
+void swirls_write(int count, const SwirlCall* calls, int moves, double step) {
+    for (const SwirlCall* c = calls; c < calls + count; ++c) swirl_write(c->n, c->state, moves, step, c->block_count, c->blocks);
+}
+
+void mean_spins(int n, const int* places, const double* y, double* out);
+
+void swirls_accept(int count, const SwirlCall* calls, double step, int known) {
+    for (const SwirlCall* c = calls; c < calls + count; ++c) {
+        mean_spins(c->n, c->places, c->rates, c->spins);
+        swirl_accept(c->n, step, known, c->spins, c->state, c->block_count, c->blocks);
+    }
 }
 
 // Mean spins (n) of pairs of nodes with their spins at places (n, 2) of the rates y.

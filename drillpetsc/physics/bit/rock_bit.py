@@ -377,7 +377,7 @@ class RockBit(Bit):
         state.x[i[11 : 11 + CHIPS]] = (depth - chip + cut * ahead) if weight > 0 else 0.0
 
     # ------------------------------------------------------------------ growth
-    def follow(self, leader: Component) -> None:
+    def follow(self, leader: Component, state) -> None:
         assert isinstance(leader, RockBit)
         self._leader, self.hole.leader = leader, leader.hole
 

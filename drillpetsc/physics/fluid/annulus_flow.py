@@ -293,13 +293,20 @@ class AnnulusFlow(ChannelFlow):
             self._swirl.stop()
         self._update_hole(state, False)
 
-    def follow(self, leader: Component) -> None:
+    def follow(self, leader: Component, state) -> None:
         assert isinstance(leader, AnnulusFlow)
         self._leader = leader
         if self.moving_hole is not None:
             self.moving_hole.leader = leader.moving_hole
-        if self._swirl is not None:
-            self._swirl.leader = leader._swirl
+        if self._swirl is not None and leader._swirl is not None:
+            self._swirl.join(leader._swirl, self._spins, state)
+
+    def accept_beside(self, t, others) -> None:
+        hole, swirl = self.moving_hole, self._swirl
+        if swirl is None or swirl.renewed or (hole is not None and hole.moved is not None):
+            super().accept_beside(t, others)
+        else:  # nothing but the swirl changes
+            swirl.accept_beside(t)
 
     def settle(self, t, state) -> None:
         """Set the swirl of the mud to its steady value for the present spins."""

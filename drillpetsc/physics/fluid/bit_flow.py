@@ -208,9 +208,14 @@ class BitFlow(Component):
             middle = p["end"][0] - 0.5 * max(0.0, self._gap(p, x)) * p["axis"][0]
             p["lift"] = -self.fluid.density * p["reference"] * float(self.fluid.gravity @ middle)
 
-    def follow(self, leader: Component) -> None:
+    def follow(self, leader: Component, state) -> None:
         assert isinstance(leader, BitFlow)
         self._leader = leader
+
+    def accept_beside(self, t, others) -> None:
+        hole = self.moving_hole
+        if hole is not None and (self.growing is not None or hole.moved is not None):
+            super().accept_beside(t, others)
 
     def accept(self, t, state) -> None:
         """Update the hole to the bit's position after an accepted step."""

@@ -113,6 +113,18 @@ class MudItems(Component):
         if self._swirl is not None:
             self._swirl.accept(t, self._spins(state))
 
+    def follow(self, leader: Component, state) -> None:
+        assert isinstance(leader, MudItems)
+        if self._swirl is not None and leader._swirl is not None:
+            self._swirl.join(leader._swirl, self._spins, state)
+
+    def accept_beside(self, t, others) -> None:
+        if self._swirl is None:
+            return super().accept_beside(t, others)
+        for other, state in others:
+            other._locate(state)
+        return self._swirl.accept_beside(t)
+
     def _locate(self, state) -> None:
         if not len(self._vertices):
             return

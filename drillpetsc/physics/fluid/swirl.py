@@ -22,9 +22,10 @@ from drillpetsc.fem.component import ElementBlock
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import columns, structure
 
-_at, _write_parameters = function("swirl_at", "idp"), function("swirl_write", "ipidip")
-_Block = structure("swirl_block")
+_at, _write_all = function("swirl_at", "idp"), function("swirls_write", "ipid")
+_Block, _Call = structure("swirl_block"), structure("swirl_call")
 _accept, _mean_spins = function("swirl_accept", "idippip"), function("mean_spins", "ippp")
+_accept_all = function("swirls_accept", "ipdi")
 _following_is_old = function("following_is_old", "ippppd", ctypes.c_int)
 _ROWS = columns("swirl_rows")  # of the state of all elements
 _NAMES = "share", "swirl", "swirl_rate", "spin_rate"  # of the parameters
@@ -50,11 +51,15 @@ class MeanSpins:
 
     def __call__(self, state: Any) -> FloatArray:
         """(n,) [rad/s] at the assembly's rates; the next call overwrites them."""
+        _mean_spins(*self.call(state))
+        return self._out
+
+    def call(self, state: Any) -> tuple[int, ...]:
+        """Number, and addresses of their places in the rates, of the rates and of the result."""
         if not self._call or state.derive is not None:  # which computes the derived spins
             self._places = np.ascontiguousarray(state.dofs_of("string.spin")[self._nodes, 0], dtype=np.int32)
             self._call = len(self._out), *map(pointer, (self._places, state.y, self._out))
-        _mean_spins(*self._call)
-        return self._out
+        return self._call
 
 
 class Swirl:
@@ -78,6 +83,7 @@ class Swirl:
         self.share[:], self.follow[:] = share, np.inf
         self.flow = np.zeros(self._count)
         self.leader: Swirl | None = None
+        self._beside: list[Swirl] = []  # that it leads
         self.renewed = False
         self._start: float | None = None  # of the trend: time of the last step [s]; None: before a motion
         self._written = np.nan  # time to which the parameters of the blocks belong [s]
@@ -85,6 +91,7 @@ class Swirl:
         self._blocks = (_Block * 0)()  # whose parameters it sets
         self._blocks_at = 0, ctypes.addressof(self._blocks)
         self._kept: list[np.ndarray] = []  # whose addresses are among them
+        self._calls, self._calls_at = (_Call * 0)(), 0  # of this one, then of those beside
 
     # ------------------------------------------------------------------ parameters
     def attach(
@@ -108,6 +115,7 @@ class Swirl:
             count=len(places),
             width=named.columns.width,
         )
+        self._calls_at = 0
         self._blocks = (_Block * (len(self._blocks) + 1))(*self._blocks, record)
         self._blocks_at = len(self._blocks), ctypes.addressof(self._blocks)
 
@@ -122,8 +130,49 @@ class Swirl:
     def _write(self, t: float) -> None:
         """Set the parameters of all blocks for time ``t`` [s]."""
         moves, step = self._start is not None, 0.0 if self._start is None else max(0.0, t - self._start)
-        _write_parameters(self._count, self._state_at, moves, step, *self._blocks_at)
-        self._written = self._computed = t
+        together = self._together
+        _write_all(1 + len(together), self._records(), moves, step)
+        for swirl in (self, *together):
+            swirl._written = swirl._computed = t
+
+    # ------------------------------------------------------------------ swirls beside a run
+    def join(self, leader: Swirl, spins: MeanSpins, state: Any) -> None:
+        """Be renewed with ``leader``, and go on in its calls; spins: about which this one is, of the assembly ``state``."""
+        self.leader = leader
+        leader._beside.append(self)
+        self._spins_call, leader._calls_at = spins.call(state), 0
+
+    @property
+    def _together(self) -> list[Swirl]:
+        """Swirls that this one leads, as long as they have its times."""
+        return self._beside if all(q._start == self._start for q in self._beside) else []
+
+    def _records(self) -> int:
+        """Address of the records of this one and of those beside it."""
+        if not self._calls_at:
+            self._calls = (_Call * (1 + len(self._beside)))()
+            for call, swirl in zip(self._calls, (self, *self._beside), strict=True):
+                call.n, call.state, (call.block_count, call.blocks) = (
+                    swirl._count,
+                    swirl._state_at,
+                    swirl._blocks_at,
+                )
+                if swirl is not self:
+                    _, call.places, call.rates, call.spins = swirl._spins_call
+            self._calls_at = ctypes.addressof(self._calls)
+        return self._calls_at
+
+    def accept_beside(self, t: float) -> None:
+        """Let the swirls beside this one go on to the end ``t`` [s] of an accepted step, with their spins there."""
+        if not self._beside:
+            return
+        first = self._beside[0]
+        if first._start is None:  # before a motion
+            first._start = t
+        step, at = t - first._start, self._records() + ctypes.sizeof(_Call)
+        _accept_all(len(self._beside), at, step, t == first._computed)
+        for swirl in self._beside:
+            swirl._take_time(t, step)
 
     # ------------------------------------------------------------------ steps
     def start(self, t: float, spin: FloatArray) -> None:
@@ -143,10 +192,13 @@ class Swirl:
             return self.start(t, spin)
         step = t - self._start
         _accept(self._count, step, t == self._computed, pointer(spin), self._state_at, *self._blocks_at)
+        self._take_time(t, step)
+        return None
+
+    def _take_time(self, t: float, step: float) -> None:
         if step > 0.0:  # not at the start of a continued run
             self._start = t
         self._written, self._computed = t, np.nan
-        return None
 
     def follows_other_flow(self, places: np.ndarray, x: FloatArray, limit: float) -> bool:
         """Whether ``follow`` is not known, or a flow has changed since by more than ``limit`` [m3/s].

@@ -17,6 +17,7 @@ from drillpetsc.solvers.time.newton import CondensedNewton, shared_factor
 #: the matrix and does not enter the solution
 REGULARISATION = 1.0e-6
 ITERATIONS, ACCURACY = 30, 1.0e-10
+STALLED = 0.9  # a step above this fraction of the last one is rounding, or of an unknown without a rate, which is not moved
 #: steps [s] of the start with constraints, the first that Newton solves: short against the motion, long enough
 #: for the rounding of positions of 1000 m
 CONSTRAINED_STEPS = (1.0e-4, 1.0e-5, 1.0e-6)
@@ -43,32 +44,38 @@ class ConsistentStart:
         self._step = np.zeros(len(layout.local_of_owned))
 
     # ------------------------------------------------------------------ without multipliers: linear in both
-    def accelerations(self, t: float) -> None:
+    def accelerations(self, t: float, near: ConsistentStart | None = None) -> None:
         """Set ``a``, and ``y`` of first-order unknowns, so that the equations hold at ``t`` [s]; collective.
 
+            near: of a system that differs little, at which it was called last, at the same time: its state and its factors serve here.
         Raises SolveError if the equations have no solution.
         """
         asm, n = self.system.assembly, self.system.layout.size
         if self.system.multipliers:
             self._by_small_steps(t)
             return
-        asm.a[:] = 0.0
+        found = None if near is None else near.system.assembly
+        asm.a[:] = 0.0 if found is None else found.a
         self._prescribed_accelerations(t)
         with_imposed = asm.imposed
         asm.freeze(with_imposed)
         try:
-            asm.y[:n][self.first] = 0.0
+            asm.y[:n][self.first] = 0.0 if found is None else found.y[:n][self.first]
             asm.apply_imposed_rates()
-            self._factor(t)
-            total = np.zeros(n)
+            if near is None:
+                self._factor(t)
+            solver, last = near or self, np.inf
+            total = np.where(self.second, asm.a[:n], self.first * asm.y[:n] / REGULARISATION)
             for _ in range(ITERATIONS):
-                step = self._solve(self._residual(t))
+                step = solver._solve(self._residual(t))
                 total -= step
                 asm.a[:n][self.second] -= step[self.second]
                 asm.y[:n][self.first] -= REGULARISATION * step[self.first]
                 asm.apply_imposed_rates()
-                if self._largest(step) <= ACCURACY * max(1e-6, self._largest(total)):
+                size = self._largest(step)
+                if size <= ACCURACY * max(1e-6, self._largest(total)) or size > STALLED * last:
                     break
+                last = size
         finally:
             asm.freeze(None)
         if not np.isfinite(self._largest(total)):

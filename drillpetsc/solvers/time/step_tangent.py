@@ -71,9 +71,7 @@ class StepTangent:
         integrator.follower = self
         integrator.newton.iteration.serve_others()
         self._began = False
-        for group in groups:
-            for beside in group:
-                beside.system.follow(self.system)
+        self.system.lead([b.system for group in groups for b in group])
         if self._remember:
             integrator.after_step.append(self._accept)
 
@@ -144,6 +142,7 @@ class StepTangent:
         if isinstance(self.formula, BdfDerivatives):
             self.formula.start(t, self.x, self.y)
             return
+        assert isinstance(self.integrator, GeneralizedAlpha)
         n = self.system.layout.size
         more = [np.zeros_like(self.x), np.zeros_like(self.x)]
         self._beside.move(self.x, self.y, self.a)
@@ -154,7 +153,7 @@ class StepTangent:
                 asm.invalidate_prescribed_values()
                 if jumped:
                     begin.jump(t)
-                begin.accelerations(t)
+                begin.accelerations(t, self.integrator.begin)
                 found.append((begin.rate_of_unknowns(), begin.second_derivative()))
             for i, out in enumerate(more):
                 out[k, :n] = self._difference(k, [q[i] for q in found])
@@ -189,12 +188,10 @@ class StepTangent:
 
     def _accept_here(self, t: float) -> None:
         """Let the components of the systems beside the run go on from the end ``t`` [s] of a step, as those of the run have."""
+        self.system.accept_beside(t)
         for k, group in enumerate(self.groups):
-            for beside in group:
-                if k not in self.lost:
-                    beside.system.accept(t)
-                    if beside.system.strayed:
-                        self.lost[k] = t
+            if k not in self.lost and any(beside.system.strayed for beside in group):
+                self.lost[k] = t
 
     # ------------------------------------------------------------------ a step
     def _solve(self, t: float) -> tuple[FloatArray, FloatArray, FloatArray]:
