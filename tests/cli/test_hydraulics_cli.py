@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.output import read_table
-from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
 from tests.helpers.command import drillpetsc, succeeds
 
@@ -65,26 +63,6 @@ def test_a_limit_that_several_flow_rates_pass_is_said_once(tmp_path: Path):
     assert all(any("rig.max_spp" in w for w in flow["warnings"]) for flow in flows)
 
 
-def test_tables_and_summaries_are_those_of_the_catalogue(folder: Path):
-    tables = {
-        "h": ("hydraulics.csv", "pressure_profile.csv", "flow_curve.csv"),
-        "s": ("surge.csv", "max_trip_speed.csv"),
-    }
-    for run, files in tables.items():
-        for file in files:
-            listed = [
-                q.title for q in outputs_by_file()[file] if not q.name.startswith(("dynamic_", "side_"))
-            ]  # with --dynamic, with nozzles above the bit
-            assert list(read_table(folder / run / file)) == listed
-    summary = json.loads((folder / "h" / "summary.json").read_text())
-    listed = [r["name"] for r in records() if r["file"] == "summary.json of hydraulics"]
-    quantities = [q.name for q in outputs_by_file()["summary.json of hydraulics"]]
-    assert set(summary) == set(listed) - set(quantities)
-    assert all(set(flow) == {*quantities, "limited_by", "warnings"} for flow in summary["flows"])
-    summary = json.loads((folder / "s" / "summary.json").read_text())
-    assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of surge"}
-
-
 def test_pictures_and_a_second_plot(folder: Path):
     for run, names in (
         ("h", {"flow_curve", "losses", "pressure_profile"}),
@@ -94,11 +72,6 @@ def test_pictures_and_a_second_plot(folder: Path):
         assert drawn == names
         again = plot(folder / run, folder / f"again-{run}")
         assert {file.stem for file in again} == names and all(file.stat().st_size > 10_000 for file in again)
-
-
-def test_the_case_in_the_folder_gives_the_same_again(folder: Path):
-    succeeds("hydraulics h/case.yaml --flow '400,500 gpm' --out h2", cwd=folder)
-    assert (folder / "h" / "hydraulics.csv").read_text() == (folder / "h2" / "hydraulics.csv").read_text()
 
 
 def test_a_string_without_hole_and_nozzles(folder: Path):
@@ -112,15 +85,6 @@ def test_a_string_without_hole_and_nozzles(folder: Path):
         "losses",
         "pressure_profile",
     }
-
-
-def test_an_existing_folder_needs_overwrite(folder: Path):
-    refused = drillpetsc("hydraulics small.yaml --out h", cwd=folder)
-    assert refused.returncode == 2 and "exists" in refused.stderr
-    done = succeeds("hydraulics small.yaml --spp '80 bar' --out over", cwd=folder)
-    assert "80 bar" in " ".join(done.stdout.split())
-    done = succeeds("surge small.yaml --speeds '1 m/s' --out over --overwrite", cwd=folder)
-    assert not (folder / "over" / "hydraulics.csv").exists() and (folder / "over" / "surge.csv").exists()
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from drillpetsc.output import read_table
-from drillpetsc.output.catalogue import outputs_by_file, records
 from drillpetsc.plotting.run.plot import plot
 from tests.helpers.command import drillpetsc, succeeds
 
@@ -50,20 +46,6 @@ def test_the_screen_names_places_units_and_what_is_missing(folder: Path):
     assert "Weight on bit, sliding, helical" in screen and "r/plots/limits.png" in screen
 
 
-def test_tables_and_summary_are_those_of_the_catalogue(folder: Path):
-    for file in ("limits.csv", "contacts.csv"):
-        absent = ("damage_per_hour", "casing_wear_rate")  # with --sn, and where a string turns in casing
-        listed = [q.title for q in outputs_by_file()[file] if q.name not in absent]
-        assert list(read_table(folder / "r" / file)) == listed
-    summary = json.loads((folder / "r" / "summary.json").read_text())
-    assert set(summary) == {r["name"] for r in records() if r["file"] == "summary.json of limits"}
-    assert summary["operation"] == "drilling" and summary["wob"] == pytest.approx(30e3, rel=1e-3)
-    table = read_table(folder / "r" / "limits.csv")
-    strong = np.isfinite(table["safety_factor [-]"])
-    assert set(table["item [-]"][strong]) == {"drill pipe"}
-    assert summary["weakest"]["safety_factor"]["value"] == np.min(table["safety_factor [-]"][strong])
-
-
 def test_pictures_are_drawn_again_in_other_units(folder: Path):
     assert [file.name for file in plot(folder / "r", folder / "again", "metric")] == ["limits.png"]
     assert (folder / "again" / "limits.png").stat().st_size > 20_000
@@ -83,15 +65,6 @@ def test_bad_options_are_answered_in_words(folder: Path, words, text):
     done = drillpetsc("limits small.yaml", *words, "--out", "bad", cwd=folder)
     assert done.returncode == 2 and text in done.stderr and "Traceback" not in done.stderr
     assert not (folder / "bad").exists()
-
-
-def test_overwriting_removes_the_tables(folder: Path):
-    done = succeeds("limits small.yaml --operation rob --out twice", cwd=folder)
-    assert "rotating off bottom" in done.stdout
-    done = drillpetsc("limits small.yaml --operation rob --out twice", cwd=folder)
-    assert done.returncode == 2 and "exists" in done.stderr
-    done = drillpetsc("statics small.yaml --out twice --overwrite", cwd=folder)
-    assert done.returncode == 0 and not (folder / "twice" / "limits.csv").exists()
 
 
 def test_free_point(folder: Path):

@@ -10,7 +10,6 @@ import pytest
 
 from drillpetsc.output import read_frame, read_table
 from tests.helpers.command import drillpetsc, succeeds
-from tests.helpers.mpi import have_mpi, run_mpi
 
 CASE = """
 title: Hanging collar in mud
@@ -91,17 +90,6 @@ def test_rest_and_nearest(folder):
     here = list(table["kind [-]"]).index("torsional")
     assert table["frequency [Hz]"][here] == pytest.approx(wave, rel=1e-4)
     assert table["damping_ratio [-]"][here] == pytest.approx(1e-4 * np.pi * wave, rel=1e-3)
-
-
-@pytest.mark.parallel
-@pytest.mark.skipif(not have_mpi(), reason="no mpirun")
-def test_two_ranks_find_the_same(folder):
-    script = folder / "modes.py"
-    script.write_text("import sys\nfrom drillpetsc.cli import main\nsys.exit(main(sys.argv[1:]))\n")
-    run_mpi(2, script, ["modes", str(folder / "wet.yaml"), "--out", str(folder / "two"), "--count", "8"])
-    one, two = (read_table(folder / name / "modes.csv") for name in ("run", "two"))
-    for column in ("frequency [Hz]", "growth [1/s]"):
-        assert two[column] == pytest.approx(one[column], rel=1e-6, abs=1e-9), column
 
 
 @pytest.mark.parametrize(

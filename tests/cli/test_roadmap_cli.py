@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from drillpetsc.output import conditions, read_table
-from drillpetsc.output.catalogue import listed_by_file, records
-from drillpetsc.output.conditions import IN_TIME
+from drillpetsc.output import read_table
 from tests.helpers.command import drillpetsc, succeeds
 
 CASE = """
@@ -51,20 +49,6 @@ def folder(tmp_path_factory) -> Path:
     done = succeeds("calibrate well.yaml --measured log.csv --out c", cwd=path, rendered=True)
     assert "95 % interval" in done.stdout and "correlation" in done.stdout
     return path
-
-
-def test_tables_and_summaries_are_those_of_the_catalogue(folder: Path):
-    for run, file in (("r", "roadmap.csv"), ("c", "calibration.csv")):
-        listed = [
-            e.quantity.title
-            for e in listed_by_file()[file]
-            if e.condition not in (conditions.GROUPS, conditions.DEAD_LINE)
-        ]
-        assert list(read_table(folder / run / file)) == listed  # the case has no groups and no such sensor
-    for run, command in (("r", "roadmap"), ("c", "calibrate")):
-        summary = json.loads((folder / run / "summary.json").read_text())
-        listed = {r["name"]: r["condition"] for r in records() if r["file"] == f"summary.json of {command}"}
-        assert set(summary) == {name for name, condition in listed.items() if condition != IN_TIME}
 
 
 def test_pictures(folder: Path):

@@ -179,14 +179,14 @@ def figures(text: str, bit: float) -> tuple[float, float]:
 
 
 @pytest.mark.slow
-def test_thirty_planted_stuck_points(tmp_path):
+def test_planted_stuck_points(tmp_path):
     """All are found in the pull itself and none before; within 3 % of the depth.
 
-    Two of thirty may be further off: by the error of the friction, or in the collars, which hardly stretch.
-    The 90 % band holds 27 in the mean, and fewer than 23 with a chance of 1 %.
+    One of twelve may be further off: by the error of the friction, or in the collars, which hardly stretch.
+    The 90 % band holds 11 in the mean, and fewer than 8 with a chance of 0.4 %.
     """
     within = held = 0
-    for seed in range(30):
+    for seed in range(12):
         (tmp_path / str(seed)).mkdir()
         twin = planted(seed)
         told = stuck_alarms(tmp_path / str(seed), twin.lines)
@@ -194,7 +194,7 @@ def test_thirty_planted_stuck_points(tmp_path):
         found, half = figures(told[-1]["text"], twin.bit)
         within += abs(found - twin.depth) <= 0.03 * twin.depth
         held += abs(found - twin.depth) <= half
-    assert within >= 28 and held >= 23
+    assert within >= 11 and held >= 8
 
 
 def test_a_restart_within_the_pull(tmp_path):
@@ -282,6 +282,6 @@ def pack_off(seed: int, planted: float) -> list[str]:
 
 
 def test_a_pack_off_is_found_within_a_stand():
-    """Pressure 10 % and friction 0.05 higher at once: found within 30 m in all of 6 runs; no alarm without it."""
-    assert all({"pressure", "torque"} & set(pack_off(seed, 0.1)) for seed in range(6))
-    assert not any(pack_off(seed, 0.0) for seed in range(6))
+    """Pressure 10 % and friction 0.05 higher at once: found within 30 m in all of 3 runs; no alarm without it."""
+    assert all({"pressure", "torque"} & set(pack_off(seed, 0.1)) for seed in range(3))
+    assert not any(pack_off(seed, 0.0) for seed in range(3))

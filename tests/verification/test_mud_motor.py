@@ -219,11 +219,6 @@ def test_tool_face_follows_the_reactive_torque(tmp_path):
     assert got["tool_face"][0] == pytest.approx(face - torque * 395.75 / GJ, abs=1e-3)
 
 
-def test_curvature_of_a_bent_motor_by_three_points():
-    """C15, a sanity value: 1.25 deg between 6 ft and 30 ft give 2 th/(L1 + L2) = 6.944 deg/100 ft (Karlsson's rule)."""
-    assert 2 * 1.25 / (6 + 30) * 100 == pytest.approx(6.944, rel=1e-4)
-
-
 # ---------------------------------------------------------------------- linear models
 def test_modes_of_a_string_with_a_motor(tmp_path):
     """Torsion: a running motor under no load holds its speed, so the rotor goes with the string; near stall it lets it go.

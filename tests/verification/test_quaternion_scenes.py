@@ -91,7 +91,7 @@ def test_rigid_items_above_other_pipe(tmp_path):
     """A string with stabilizers along it: on half the mesh the difference at the start is below 0.3 of that before."""
     start = []
     for length, share in ((2.5, 0.01), (1.0, 0.01)):
-        tables = histories(tmp_path / f"{length}", length=length)
+        tables = histories(tmp_path / f"{length}", length=length, time={"end": 0.1})
         assert_same(tables, SCALES, share)
         start.append(abs(tables[1]["wob [N]"][0] - tables[0]["wob [N]"][0]))
     assert tables[0]["wob [N]"][0] == pytest.approx(20e3, rel=1e-6)
@@ -114,8 +114,8 @@ def test_universal_joint_below_a_stabilizer(tmp_path):
 
 @pytest.mark.parametrize(("formulation", "rock"), [("mixed", {"formation": ROCK}), ("hermite", {})])
 def test_mud_past_rigid_items(tmp_path, formulation, rock):
-    """All the physics at once for 0.3 s, both forms of the mud: pressures to 3e-4, forces to 1 %."""
-    tables = histories(tmp_path, fluid=MUD | {"formulation": formulation}, time={"end": 0.3}, **rock)
+    """All the physics at once for 0.15 s, both forms of the mud: pressures to 3e-4, forces to 1 %."""
+    tables = histories(tmp_path, fluid=MUD | {"formulation": formulation}, time={"end": 0.15}, **rock)
     more = {"bit_torque [N m]": 1e3, "x_30 [m]": 4e-3, "x_55 [m]": 4e-3}
     more |= {"hole_depth [m]": 1e-3} if rock else {}
     assert_same(tables, SCALES | more, 0.01)
@@ -123,15 +123,15 @@ def test_mud_past_rigid_items(tmp_path, formulation, rock):
 
 
 def test_quasi_static_drilling(tmp_path):
-    """An hour of drilling, 7.2 m of new hole: depth to 0.1 mm, forces to 1 %; the bend averages out in both."""
+    """20 minutes of drilling, 2.4 m of new hole: depth to 0.1 mm, forces to 1 %; the bend averages out in both."""
     tables = histories(
         tmp_path,
         top={"kind": "top_drive", "rotation": 10.0, "lowering": 0.002},
         formation=ROCK,
-        time={"end": 3600, "mode": "quasi_static"},
-        output={"history_every": 600, "probes": [55.0]},
+        time={"end": 1200, "mode": "quasi_static"},
+        output={"history_every": 200, "probes": [55.0]},
     )
-    assert tables[0]["hole_depth [m]"][-1] > 68.0
+    assert tables[0]["hole_depth [m]"][-1] > 63.2
     assert_same(tables, {k: v for k, v in SCALES.items() if "_30" not in k and "y_" not in k}, 0.01)
     assert_same(tables, {"hole_depth [m]": 1e-2, "y_55 [m]": 1e-2}, 0.01)
 

@@ -12,11 +12,8 @@ from drillpetsc import Case
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import slip_direction, torque_drag
-from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.drilling_model import build_model
 from tests.helpers.tables import each_row
-from tests.helpers.wells import simple_well
 
 EA, GJ, RADIUS, WEIGHT = 7.0137489e8, 9.4156072e5, 0.0635, 242.0
 PULL, SLACK, TURN = {"axial_velocity": 0.3}, {"axial_velocity": -0.3}, {"rotation": 2 * np.pi}
@@ -76,16 +73,6 @@ def test_build(motion, load, n):
     assert result.hook_load == pytest.approx(load, rel=1e-5)
     if motion is TURN:
         assert result.surface_torque == pytest.approx(4864.3, rel=5e-5)
-
-
-@each_row(("motion", "load"), [(PULL, 648.808e3), (SLACK, 394.217e3), (TURN, 495.548e3)])
-def test_j_well(motion, load):
-    """1000 m vertical, build to 60 deg, 1500 m tangent, no weight on bit; rotating torque 7884.9 N m (manual:
-    verif-j-well)."""
-    result = run(hole([0, 1000, 1360, 2860], [0, 0, 60, 60], 0.25), 2860, n=143, **motion)
-    assert result.hook_load == pytest.approx(load, rel=1e-5)
-    if motion is TURN:
-        assert result.surface_torque == pytest.approx(7884.9, rel=2e-5)
 
 
 def test_turn_and_build_against_reference_integration():
@@ -171,44 +158,6 @@ def test_sections_of_the_string_and_reversed_rotation():
 def test_boundaries_must_increase():
     with pytest.raises(ValueError, match="increasing"):
         torque_drag(hole([0, 10], [0, 0], 0.3), [0, 5, 5], WEIGHT, RADIUS, EA, GJ)
-
-
-@each_row("element", [0.5, 5.0])
-@each_row("mud", [0.0, 1500.0])
-@each_row("place", [0, 1, 2], ids=["first", "middle", "last"])
-def test_rigid_items_weigh_once(place: int, mud: float, element: float) -> None:
-    """In a straight frictionless hole the hook load is the buoyed weight along it, less that on the bit.
-
-    The weight of a rigid item was spread over the element below it, and integrated over element and item: 21 times its
-    weight for an item of 20 m above elements of 1 m.  Its buoyancy was left out.
-    """
-    g, inclination, wob, heavy = 9.81, 0.4, 2e4, {"kind": "body", "length": 20.0, "mass": 1200.0, "od": 0.2}
-    pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": element}
-    string = [{**pipe, "length": 100.0}, {**pipe, "length": 79.5}]
-    string.insert(place, heavy)
-    case = {
-        "well": simple_well(200.0, 0.2159, inclination, friction=0.0),
-        "string": [*string, {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0}],
-        "top": {"kind": "top_drive"},
-        "bottom": {"kind": "bit"},
-        "gravity": g,
-        "initial": {"from": "statics", "wob": wob},
-    }
-    if mud:
-        case["fluid"] = {
-            "density": mud,
-            "rheology": {"model": "newtonian", "viscosity": 0.03},
-            "bulk_modulus": 1e12,
-        }
-    steel = np.pi / 4 * (0.127**2 - 0.1086**2) * 179.5 + 1260.0 / 7850.0
-    found = soft_string(build_model(Case(**case)), (0.0, 0.0))
-    assert found is not None
-    assert found.hook_load == pytest.approx((7850.0 - mud) * steel * g * np.cos(inclination) - wob, rel=1e-9)
-    # rigid items do not stretch: the elongation is that of the tube, sum of T/EA over its elements
-    area = np.pi / 4 * (0.127**2 - 0.1086**2)
-    above = np.where(np.diff(found.md) > element + 1.0, element, np.diff(found.md))
-    middle = found.axial_force[1:] + 0.5 * (found.axial_force[:-1] - found.axial_force[1:])
-    assert found.stretch == pytest.approx(float(np.sum(middle * above)) / (206e9 * area), rel=0.05)
 
 
 def test_a_string_breaks_where_its_force_grows_without_bound():

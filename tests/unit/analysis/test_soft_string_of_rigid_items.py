@@ -21,6 +21,7 @@ def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
     """Sum of buoyed weights times the cosine of the inclination: metal less mud in its place, for pipes and rigid items.
 
     A 20 m tool between long elements of pipe, and a bit: the distance of two nodes is not the length of the element there.
+    The tool does not stretch.
     """
     string = [
         {"kind": "pipe", "length": 200, "od": OD, "id": ID, "element_length": 25},
@@ -43,6 +44,16 @@ def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
     soft = soft_string(build_model(case), (0.0, 10.0))
     assert soft is not None
     assert soft.hook_load == pytest.approx(steel * share * G * np.cos(lean), rel=1e-9)
+    area = np.pi / 4 * (OD**2 - ID**2)
+    pipe, tool = (q * share * G * np.cos(lean) for q in (area * STEEL, 2900))  # N/m, N
+    pull = (
+        200 * soft.hook_load
+        - 200**2 / 2 * pipe
+        + 30 * (soft.hook_load - 200 * pipe - tool)
+        - 30**2 / 2 * pipe
+    )
+    # the element above the tool has the mean tension of both
+    assert soft.stretch == pytest.approx(pull / (206e9 * area), rel=0.02)
     rows = rows_at(case, case.string_length)  # of the roadmap
     weight = float(rows.weight @ np.diff(rows.edges)) + rows.end_weight
     assert soft.hook_load == pytest.approx(weight * np.cos(lean), rel=1e-9)

@@ -7,7 +7,6 @@ import json
 import re
 import shutil
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -18,31 +17,13 @@ from drillpetsc.browser import run_source
 from drillpetsc.browser.case_form import CaseForm
 from drillpetsc.browser.page import export_page
 from drillpetsc.browser.run_source import RunSource
-from drillpetsc.browser.server import Server, case_server, run_server
+from drillpetsc.browser.server import Server, case_server
 from drillpetsc.output import FieldWriter, read_frame, read_series
 from tests.helpers import chromium
-from tests.helpers.output_samples import helix_frame, make_pendulum, make_run
+from tests.helpers.output_samples import helix_frame, make_pendulum
 
 pytest.importorskip("plotly")
 needs_browser = pytest.mark.skipif(chromium.program() is None, reason="no Chromium on this machine")
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    run = make_run(tmp_path / "run")
-    run.release()
-    return run.path
-
-
-@pytest.fixture
-def server(folder: Path) -> Iterator[Server]:
-    made = run_server("127.0.0.1", 0, RunSource(folder, "metric"))
-    thread = threading.Thread(target=made.serve_forever, args=(0.05,))
-    thread.start()
-    yield made
-    made.shutdown()
-    thread.join()
-    made.server_close()
 
 
 def drawn(page: chromium.Page, name: str, trace: int = 0, key: str = "y") -> np.ndarray:

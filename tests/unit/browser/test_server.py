@@ -8,8 +8,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -22,24 +20,6 @@ from drillpetsc.errors import CaseError
 from tests.helpers.output_samples import make_run
 
 pytest.importorskip("plotly")
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    run = make_run(tmp_path / "run")
-    run.release()
-    return run.path
-
-
-@pytest.fixture
-def server(folder: Path) -> Iterator[Server]:
-    made = run_server("127.0.0.1", 0, RunSource(folder, "metric"))
-    thread = threading.Thread(target=made.serve_forever, args=(0.05,))
-    thread.start()
-    yield made
-    made.shutdown()
-    thread.join()
-    made.server_close()
 
 
 def ask(
