@@ -34,6 +34,11 @@ class Chain:
     cells: IntArray
     ends: IntArray
 
+    def own(self, vertex: int) -> int | None:
+        """Local number of a vertex of the whole string that this rank owns, None if another one does."""
+        found = np.flatnonzero(self.owned & (self.vertices == vertex))
+        return int(found[0]) if len(found) else None
+
 
 def build_chain(measured_depth: np.ndarray, comm: PETSc.Comm) -> Chain:
     """Distribute a string over the ranks of ``comm``.

@@ -280,6 +280,13 @@ class StringMesh:
         """Number of nodes."""
         return len(self.node_depth)
 
+    def place_of(self, depth: float) -> tuple[int, float]:
+        """The element at a measured depth [m], and the part of it above; in a rigid item above a joint the end beside it."""
+        cell = int(np.clip(np.searchsorted(self.lower, depth), 0, len(self.lower) - 1))
+        if self.is_joint[cell]:
+            return (cell - 1, 1.0) if cell else (1, 0.0)
+        return cell, float(np.clip((depth - self.upper[cell]) / self.length[cell], 0.0, 1.0))
+
     def nearest_node(self, depth: float) -> int:
         """Number of the node nearest to a measured depth [m]."""
         return int(np.argmin(np.abs(self.node_depth - depth)))

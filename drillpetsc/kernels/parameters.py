@@ -14,11 +14,11 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.kernels import function
 
-FloatArray = NDArray[np.float64]
 _TYPES = {"double": (ctypes.c_double, 1), "int": (ctypes.c_int, 1), "Vec<double>": (ctypes.c_double, 3)}
 
 

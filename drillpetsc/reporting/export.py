@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import math
 import os
@@ -24,7 +23,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.run_folder import SWEEP_TABLE, WELLS_TABLE, RunFolder
-from drillpetsc.output.files.tables import read_table, split_name
+from drillpetsc.output.files.tables import csv_text, read_table, split_name
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.plotting.style import units_of_run
 from drillpetsc.reporting.units import in_units, label_of, unit_of
@@ -168,13 +167,8 @@ def _label(title: str, system: System) -> str:
 
 def _csv(table: Table, system: System) -> bytes:
     columns = _shown(table, system)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([heading for heading, _ in columns])
-    writer.writerows(
-        [_text(value) for value in row] for row in zip(*[v.tolist() for _, v in columns], strict=True)
-    )
-    return text.getvalue().encode("utf-8")
+    rows = ([_text(value) for value in row] for row in zip(*[v.tolist() for _, v in columns], strict=True))
+    return csv_text([heading for heading, _ in columns], rows).encode()
 
 
 def _text(value: Any) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import contextlib
 import contextvars
-import csv
 import io
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.errors import CaseError
-from drillpetsc.output.files.tables import read_table
+from drillpetsc.output.files.tables import csv_text, read_table
 from drillpetsc.output.shown_units import lengths_shown
 from drillpetsc.reporting.units import heading_of, in_units, label_of, texts, unit_of
 from drillpetsc.unit_systems import System
@@ -228,11 +227,7 @@ def _mixed(values: np.ndarray, names: np.ndarray, system: System) -> list[str]:
 
 def csv_of(table: Mapping[str, np.ndarray]) -> bytes:
     """A table as CSV in SI."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(table)
-    writer.writerows(zip(*(values.tolist() for values in table.values()), strict=True))
-    return text.getvalue().encode("utf-8")
+    return csv_text(table, zip(*(values.tolist() for values in table.values()), strict=True)).encode()
 
 
 def file_grid(

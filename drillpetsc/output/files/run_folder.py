@@ -69,71 +69,37 @@ class RunFolderMissing(FileNotFoundError):
     """A run to be continued or read does not exist."""
 
 
+class _Inside:
+    """The path of a file or folder in a run folder."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __get__(self, folder: RunFolder, _: type) -> Path:
+        return folder.path / self.name
+
+
 @dataclass(frozen=True)
 class RunFolder:
-    """One run's folder; the properties are the paths of the contract, whether or not the files exist yet."""
+    """One run's folder, with the paths of the contract, whether or not the files exist yet."""
 
     path: Path
 
-    @property
-    def history(self) -> Path:
-        return self.path / "history.csv"
-
-    @property
-    def probes(self) -> Path:
-        return self.path / "probes.csv"
-
-    @property
-    def statics(self) -> Path:
-        return self.path / "statics.csv"
-
-    @property
-    def trajectory(self) -> Path:
-        return self.path / "trajectory.csv"
-
-    @property
-    def string_series(self) -> Path:
-        return self.path / "string.pvd"
-
-    @property
-    def string_frames(self) -> Path:
-        return self.path / "string"
-
-    @property
-    def sensors(self) -> Path:
-        return self.path / "sensors"
-
-    @property
-    def paraview(self) -> Path:
-        return self.path / "paraview"
-
-    @property
-    def well(self) -> Path:
-        return self.path / "well.vtu"
-
-    @property
-    def summary(self) -> Path:
-        return self.path / "summary.json"
-
-    @property
-    def checkpoint(self) -> Path:
-        return self.path / "checkpoint.h5"
-
-    @property
-    def case(self) -> Path:
-        return self.path / "case.yaml"
-
-    @property
-    def resolved_case(self) -> Path:
-        return self.path / "case.resolved.yaml"
-
-    @property
-    def report(self) -> Path:
-        return self.path / "report.html"
-
-    @property
-    def plots(self) -> Path:
-        return self.path / "plots"
+    history = _Inside("history.csv")
+    probes = _Inside("probes.csv")
+    statics = _Inside("statics.csv")
+    trajectory = _Inside("trajectory.csv")
+    string_series = _Inside("string.pvd")
+    string_frames = _Inside("string")
+    sensors = _Inside("sensors")
+    paraview = _Inside("paraview")
+    well = _Inside("well.vtu")
+    summary = _Inside("summary.json")
+    checkpoint = _Inside("checkpoint.h5")
+    case = _Inside("case.yaml")
+    resolved_case = _Inside("case.resolved.yaml")
+    report = _Inside("report.html")
+    plots = _Inside("plots")
 
     @classmethod
     def create(

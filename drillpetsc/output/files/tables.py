@@ -174,6 +174,13 @@ def rows_written(lines: Sequence[str], width: int, until: float) -> tuple[int, s
     return len(rows), hashlib.blake2b("".join(rows).encode(), digest_size=DIGEST).hexdigest()
 
 
+def csv_text(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Headings and rows of cells as the text of a CSV file."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([heads, *rows])
+    return text.getvalue()
+
+
 def write_table(
     path: str | os.PathLike,
     columns: Sequence[Column | Quantity],
@@ -195,11 +202,8 @@ def write_table(
         raise ValueError(
             f"{path}: {len(names)} columns need as many arrays of one length, got lengths {[len(a) for a in arrays]}"
         )
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header(titles))
-    writer.writerows(zip(*[[_cell(value) for value in array.tolist()] for array in arrays], strict=True))
-    return replace_text(path, text.getvalue())
+    rows = zip(*[[_cell(value) for value in array.tolist()] for array in arrays], strict=True)
+    return replace_text(path, csv_text(header(titles), rows))
 
 
 def write_rows(path: str | os.PathLike, columns: Sequence[Column | Quantity], rows: Iterable[Row]) -> Path:

@@ -30,9 +30,7 @@ class FlowRecorder:
 
     def __init__(self, system: DiscreteSystem, fluid: FluidComponents) -> None:
         self.system, self.fluid = system, fluid
-        chain, last = system.chain, system.mesh.nodes - 1
-        local = np.flatnonzero(chain.owned & (chain.vertices == last))
-        self._last = int(local[0]) if len(local) else None
+        self._last = system.chain.own(system.mesh.nodes - 1)
 
     def quantities(self) -> tuple[Quantity, ...]:
         bore, annulus = self.fluid.bore is not None, self.fluid.annulus is not None

@@ -47,9 +47,7 @@ class MotionClasses:
         self._bodies = [mesh.bodies[k] for k in self._items.items] if model.beam.moves else []
         self.names = [*self._items.names[: len(self._bodies)], *("probe" for _ in self._probes.depths)]
         self.depths = [*self._items.depths[: len(self._bodies)], *self._probes.depths]
-        cells = [
-            int(np.clip(np.searchsorted(mesh.lower, d), 0, len(mesh.lower) - 1)) for d in self._probes.depths
-        ]
+        cells = [mesh.place_of(d)[0] for d in self._probes.depths]
         self._radii = np.array(
             [*(b.radius for b in self._bodies), *(0.5 * float(mesh.contact_diameter[c]) for c in cells)]
         )

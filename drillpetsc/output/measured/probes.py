@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +13,14 @@ from drillpetsc.output.measured.in_hole import offsets
 from drillpetsc.output.quantities.probes import PROBES
 
 
-@dataclass(frozen=True)
-class _Probe:
-    """cell: number of the element from the top; share: position in it, 0 at its upper end, 1 at its lower."""
-
-    cell: int
-    share: float
+def cubic_weights(s: Any, length: Any) -> tuple[Any, ...]:
+    """Weights of upper position and slope, lower position and slope in the cubic of an element at the part ``s`` of its length [m]."""
+    return (
+        1 - 3 * s**2 + 2 * s**3,
+        length * (s - 2 * s**2 + s**3),
+        3 * s**2 - 2 * s**3,
+        length * (s**3 - s**2),
+    )
 
 
 class Probes:
@@ -27,39 +29,25 @@ class Probes:
     def __init__(self, model: DrillingModel) -> None:
         self.model = model
         self.depths = tuple(model.case.output.probes) if model.beam.moves else ()
-        self._probes = [self._locate(depth) for depth in self.depths]
+        self._places = [model.mesh.place_of(depth) for depth in self.depths]
         self._local = {int(c): i for i, c in enumerate(model.system.chain.cells)}
-        here = [k for k, probe in enumerate(self._probes) if probe.cell in self._local]
-        chosen = [self._probes[k] for k in here]
+        here = [k for k, (cell, _) in enumerate(self._places) if cell in self._local]
+        chosen = [self._places[k] for k in here]
         #: of the probes in elements of this rank: numbers, elements from the top, upper and lower vertices, shares
         self._here = np.array(here, dtype=int)
-        self._cells = np.array([p.cell for p in chosen], dtype=int)
+        self._cells = np.array([cell for cell, _ in chosen], dtype=int)
         ends = (
-            model.system.chain.ends[[self._local[p.cell] for p in chosen]]
+            model.system.chain.ends[[self._local[cell] for cell, _ in chosen]]
             if chosen
             else np.zeros((0, 2), int)
         )
         self._upper, self._lower = ends[:, 0], ends[:, 1]
-        self._share = np.array([p.share for p in chosen])
-        s = self._share[:, None]
-        length = model.mesh.length[self._cells][:, None]
+        self._share = np.array([share for _, share in chosen])
         #: of upper position and slope, lower position and slope: the cubic shape functions at the probes
-        self._weights = (
-            1 - 3 * s**2 + 2 * s**3,
-            length * (s - 2 * s**2 + s**3),
-            3 * s**2 - 2 * s**3,
-            length * (s**3 - s**2),
-        )
+        self._weights = cubic_weights(self._share[:, None], model.mesh.length[self._cells][:, None])
         self._rigid = model.mesh.rigid_above[self._cells][:, None]
         self._below_item = bool(self._rigid.any())
         self._direct = self._direct_places()
-
-    def _locate(self, depth: float) -> _Probe:
-        mesh = self.model.mesh
-        cell = int(np.clip(np.searchsorted(mesh.lower, depth), 0, len(mesh.lower) - 1))
-        if mesh.is_joint[cell]:  # in a rigid item above a joint
-            return _Probe(cell - 1, 1.0) if cell else _Probe(1, 0.0)
-        return _Probe(cell, float(np.clip((depth - mesh.upper[cell]) / mesh.length[cell], 0.0, 1.0)))
 
     def _direct_places(self) -> tuple[FloatArray, FloatArray, FloatArray] | None:
         """Positions (4, k, 3) in the unknowns of positions and slopes at both ends, (2, k) of the spins, weights (4, k, 1), of the k probes
@@ -89,7 +77,7 @@ class Probes:
 
         By the element's cubic shape functions, the spin rate linearly (manual: eq-beam-tube).
         """
-        out = np.zeros((len(steps), len(self._probes), 4))
+        out = np.zeros((len(steps), len(self._places), 4))
         if not len(self._here):
             return out
         if self._direct is None:
@@ -120,10 +108,10 @@ class Probes:
 
     def contact_forces(self, steps: OneStep) -> FloatArray:
         """(k, probes) normal force [N] on the probes' elements, at the last evaluation of the rows of each of k steps."""
-        contact, cells, out = self.model.given_contact, self._local, np.zeros((len(steps), len(self._probes)))
-        for k, probe in enumerate(self._probes):
-            if probe.cell in cells:
-                out[:, k] = contact.normal_force_of(cells[probe.cell], steps)
+        contact, cells, out = self.model.given_contact, self._local, np.zeros((len(steps), len(self._places)))
+        for k, (cell, _) in enumerate(self._places):
+            if cell in cells:
+                out[:, k] = contact.normal_force_of(cells[cell], steps)
         return out
 
     def offset(self, positions: FloatArray) -> FloatArray:

@@ -42,10 +42,10 @@ class TopEnd:
 
     def __init__(self, model: DrillingModel) -> None:
         self.model, self.force = model, model.case.top.force
-        rig, chain = model.case.rig, model.system.chain
+        rig = model.case.rig
         self._hoist, self._drive = model.part(Hoist), model.part(Drive)
         self.block = None if rig is None else rig.block_weight  # [N]
-        self._is_here = bool((chain.owned & (chain.vertices == 0)).any())
+        self._vertex = model.system.chain.own(0)
 
     def quantities(self) -> tuple[Quantity, ...]:
         m = self.model
@@ -58,10 +58,9 @@ class TopEnd:
 
     def positions(self, steps: OneStep) -> FloatArray:
         """(k, 3) position of the top [m] after each of k steps; zero if another rank has it."""
-        if not self._is_here:
+        if self._vertex is None:
             return np.zeros((len(steps), 3))
-        vertex = int(np.flatnonzero(self.model.system.chain.vertices == 0)[0])
-        return steps.unknowns(steps.assembly.layout.dofs["string.position"][vertex])
+        return steps.unknowns(steps.assembly.layout.dofs["string.position"][self._vertex])
 
     def travel(self, point: FloatArray) -> float:
         """Distance [m] of the top at ``point`` (3,) along the hole, from its place in the string free of stress."""
@@ -71,14 +70,14 @@ class TopEnd:
         """(k,) pull on the string [N] after each of k steps."""
         hoist = self._hoist
         if self.force is not None:
-            return np.array([self.force.value(t) for t in steps.times]) * float(self._is_here)
+            return np.array([self.force.value(t) for t in steps.times]) * float(self._vertex is not None)
         if isinstance(hoist, HoistLine):
             return steps.computed(lambda at: hoist.hook_load(at.time, at.assembly), 1, "hook load")[:, 0]
         return -top_reactions(steps, self.model.components, "top.axial_reaction")
 
     def hook_load_totals(self, steps: OneStep) -> FloatArray:
         """(k,) pull on the string and weight of the block [N]."""
-        return self.hook_loads(steps) + (self.block or 0.0) * float(self._is_here)
+        return self.hook_loads(steps) + (self.block or 0.0) * float(self._vertex is not None)
 
     def surface_torques(self, steps: OneStep) -> FloatArray:
         """(k,) torque on the string [N m]: of a prescribed rotation, or of a rotary drive."""
@@ -92,10 +91,9 @@ class LowerEnd:
     """Motion of the face of the string's lower end."""
 
     def __init__(self, model: DrillingModel) -> None:
-        self.model, mesh, chain = model, model.mesh, model.system.chain
+        self.model, mesh = model, model.mesh
         self.face = mesh.total_length - mesh.node_depth[-1]  # below the last node [m]
-        local = np.flatnonzero(chain.owned & (chain.vertices == mesh.nodes - 1))
-        self.vertex = int(local[0]) if len(local) else None
+        self.vertex = model.system.chain.own(mesh.nodes - 1)
 
     def quantities(self) -> tuple[Quantity, ...]:
         return LOWER_END if self.model.beam.moves else ()

@@ -10,6 +10,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import Sensor, sensor_depth
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
+from drillpetsc.output.measured.probes import cubic_weights
 from drillpetsc.physics.beam import RESULT_NAMES
 
 _COLUMN = {name: i for i, name in enumerate(RESULT_NAMES)}
@@ -41,12 +42,9 @@ class SensorSection:
         depth = sensor_depth(model.case.string, model.case.item_depths, sensor)
         assert depth is not None
         self.depth = depth
-        cell = int(np.clip(np.searchsorted(mesh.lower, depth), 0, len(mesh.lower) - 1))
-        if mesh.is_joint[cell]:
-            cell = cell - 1 if cell else 1
-        inside = float(np.clip(depth, mesh.upper[cell], mesh.lower[cell]))
-        self.cell, self.share = cell, (inside - float(mesh.upper[cell])) / float(mesh.length[cell])
-        self.lever = depth - inside  # in a rigid item: below the end of the element
+        self.cell, self.share = cell, _ = mesh.place_of(depth)
+        # in a rigid item: below the end of the element
+        self.lever = depth - float(np.clip(depth, mesh.upper[cell], mesh.lower[cell]))
         local = np.flatnonzero(chain.cells == cell)
         self.is_here = bool(len(local))
         self.period = model.beam.angle_period
@@ -142,12 +140,7 @@ def _sum(weights: tuple[float, ...], values: tuple[FloatArray, ...]) -> FloatArr
 def _shape(s: float, length: float) -> tuple[tuple[float, ...], ...]:
     """Weights of upper position and slope, lower position and slope in the cubic r(s), dr/ds and d2r/ds2."""
     return (
-        (
-            1 - 3 * s**2 + 2 * s**3,
-            length * (s - 2 * s**2 + s**3),
-            3 * s**2 - 2 * s**3,
-            length * (s**3 - s**2),
-        ),
+        cubic_weights(s, length),
         (
             (-6 * s + 6 * s**2) / length,
             1 - 4 * s + 3 * s**2,

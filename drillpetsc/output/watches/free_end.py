@@ -25,10 +25,10 @@ class FreeEnd:
     def __init__(self, model: DrillingModel) -> None:
         system, mesh = model.system, model.mesh
         self.exists, self.system = end_is_free(model), system
-        last = np.flatnonzero(system.chain.owned & (system.chain.vertices == mesh.nodes - 1))
+        last = system.chain.own(mesh.nodes - 1)
         self._places = None  # of its position in the unknowns, on the rank that owns it
-        if len(last) and self.exists and model.well is not None:
-            self._places = system.layout.dofs["string.position"][last[0]]
+        if last is not None and self.exists and model.well is not None:
+            self._places = system.layout.dofs["string.position"][last]
             end, axis, _ = model.well.at(model.well.depth)
             self._axis = np.asarray(axis)
             self._bottom = (

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.model.mesh import coarsened
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.job import RunResult
-from drillpetsc.studies.convergence.error_norms import NUMERICS, FloatArray, errors_of, extent, moves
+from drillpetsc.studies.convergence.error_norms import NUMERICS, errors_of, extent, moves
 
 COARSENING = 2.0  # element length of the coarse-mesh run over the run's element length
 FOLDER = "coarse-mesh"  # folder of the coarse-mesh run, in the run's folder

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from drillpetsc.arrays import FloatArray
 
 NUMERICS = ("time", "step", "newton", "energy_error")  # columns about the computation, not about the well
 NORMS = ("max", "rms", "end", "mean")
@@ -57,13 +55,10 @@ class Order:
     low, high: ends of the 95 % confidence interval. points: number of points of the fit.
     """
 
-    value: float
+    order: float
     low: float
     high: float
     points: int
-
-    def __str__(self) -> str:
-        return f"{self.value:.2f} ({self.low:.2f} to {self.high:.2f}, {self.points} points)"
 
 
 def observed_order(steps: FloatArray, errors: FloatArray, floor: float = 0.0) -> Order | None:
@@ -102,9 +97,6 @@ class Cost:
 
     seconds: float
     how: str
-
-    def __str__(self) -> str:
-        return {"between": "", "below": "< ", "beyond": "~ "}[self.how] + f"{self.seconds:.3g} s"
 
 
 def cost_of(target: float, errors: FloatArray, seconds: FloatArray) -> Cost | None:
@@ -175,11 +167,3 @@ def richardson(coarse: FloatArray, middle: FloatArray, fine: FloatArray) -> Extr
     p = float(np.log2(first / second))
     step = (fine - middle) / (2.0**p - 1)
     return Extrapolated(fine + step, p, size(step))
-
-
-def order_as_dict(order: Order | None) -> dict[str, Any] | None:
-    return (
-        None
-        if order is None
-        else {"order": order.value, "low": order.low, "high": order.high, "points": order.points}
-    )

@@ -11,15 +11,14 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.ends import TopDrive
 from drillpetsc.case.blocks.items.string import Beam, Pipe
 from drillpetsc.fem.string_mesh import tube
 from drillpetsc.time_function import TimeFunction
 
-FloatArray = npt.NDArray[np.float64]
 Outputs = dict[str, FloatArray]
 
 MOST_CELLS = 40000

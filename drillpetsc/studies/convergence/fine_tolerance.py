@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.output import RunFolder, read_table
 from drillpetsc.output.balances.time_error import SMALL_RANGE, smallest_range
@@ -19,7 +20,7 @@ from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.measured.motion_classes import changed_classes
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 from drillpetsc.studies.convergence.coarse_mesh import differences, second_run, with_estimate
-from drillpetsc.studies.convergence.error_norms import FloatArray, extent
+from drillpetsc.studies.convergence.error_norms import extent
 from drillpetsc.unit_systems import System, shown
 
 REFINEMENT = 10.0  # tolerance of the run over the fine run's tolerance

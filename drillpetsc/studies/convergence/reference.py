@@ -7,9 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.studies.convergence.error_norms import NUMERICS, errors_of, extent, richardson
@@ -26,7 +24,6 @@ from drillpetsc.studies.convergence.plan import (
 )
 from drillpetsc.studies.convergence.runs import Measured, Runner, measure, outputs_of
 
-FloatArray = npt.NDArray[np.float64]
 #: closed form given by the caller: case, times (k,) [s] -> outputs name -> (k,) [SI], or None
 Exact = Callable[[Case, FloatArray], dict[str, FloatArray] | None]
 

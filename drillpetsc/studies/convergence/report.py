@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from drillpetsc.studies.convergence.error_norms import (
     extent,
     moves,
     observed_order,
-    order_as_dict,
 )
 from drillpetsc.studies.convergence.reference import Reference
 from drillpetsc.studies.convergence.runs import Measured
@@ -161,7 +161,8 @@ def findings(
                 norm: np.array([row[f"error_{name}_{norm}"] for row in done], dtype=float) for norm in NORMS
             }
             orders[curve][name] = {
-                norm: order_as_dict(observed_order(steps, e, floor)) for norm, e in by_norm.items()
+                norm: None if (o := observed_order(steps, e, floor)) is None else asdict(o)
+                for norm, e in by_norm.items()
             }
             if vary != "ranks":
                 found = {
@@ -169,9 +170,7 @@ def findings(
                     for target in TARGET_ERRORS
                     if target > floor
                 }
-                costs[curve][name] = {
-                    key: {"seconds": c.seconds, "how": c.how} for key, c in found.items() if c is not None
-                }
+                costs[curve][name] = {key: asdict(c) for key, c in found.items() if c is not None}
     about = None
     if reference is not None:
         about = {

@@ -15,16 +15,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
+from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
 from drillpetsc.output import RunFolder, read_summary, read_table
 from drillpetsc.output.files.atomic import replace_text
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.studies.convergence.plan import Base, Point, case_of
-
-FloatArray = npt.NDArray[np.float64]
 
 COUNTS = (
     "elements",

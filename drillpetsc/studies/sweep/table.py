@@ -6,9 +6,7 @@ file marks it as ended.
 
 from __future__ import annotations
 
-import csv
 import fcntl
-import io
 import json
 import os
 import time as clock
@@ -26,7 +24,7 @@ from drillpetsc.case.schema import unit_of
 from drillpetsc.output import RunFolder, read_summary, read_table, write_summary
 from drillpetsc.output.catalogue import find
 from drillpetsc.output.files.atomic import replace_text
-from drillpetsc.output.files.tables import split_name
+from drillpetsc.output.files.tables import csv_text, split_name
 from drillpetsc.units import is_number
 
 
@@ -273,11 +271,7 @@ def write(plan: Plan, job: dict[str, Any], ended: dict[int, Outcome] | None = No
         table = rows(plan, ended)
         if plan.folder is None:
             return table
-        text = io.StringIO()
-        sheet = csv.writer(text, lineterminator="\n")
-        sheet.writerow(table[0])
-        sheet.writerows([["" if value is None else value for value in row.values()] for row in table])
-        replace_text(plan.folder / plan.table, text.getvalue())
+        replace_text(plan.folder / plan.table, csv_text(table[0], (row.values() for row in table)))
         write_summary(plan.folder / "summary.json", _summary(plan, table, ended, job))
         return table
 

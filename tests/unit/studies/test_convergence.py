@@ -75,7 +75,7 @@ def test_order_of_exact_powers():
     h = np.array([0.08, 0.04, 0.02, 0.01])
     order = observed_order(h, 3.0 * h**2)
     assert order is not None
-    assert (order.value, order.points) == (pytest.approx(2.0, abs=1e-12), 4)
+    assert (order.order, order.points) == (pytest.approx(2.0, abs=1e-12), 4)
     assert order.low == pytest.approx(2.0, abs=1e-6)
 
 
@@ -100,7 +100,7 @@ def test_plateau_and_unresolved_points_show_no_order():
     errors[0] = 0.9
     order = observed_order(h, errors, floor=1e-5)
     assert order is not None
-    assert order.value == pytest.approx(2.0, abs=1e-9)
+    assert order.order == pytest.approx(2.0, abs=1e-9)
     assert order.points == 7  # h = 1/2 ... 1/128: 1/4 ... 6.1e-5; 1/256 gives 1.5e-5, below 3e-5
     assert observed_order(h[:2], errors[:2]) is None
 
