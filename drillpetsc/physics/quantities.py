@@ -234,9 +234,9 @@ def _of_jar(index: int, joints: Any, sample: Sample) -> float:
     return float(sample.once(joints.jar_figures)[index])
 
 
-# ---------------------------------------------------------------------- motor of the top drive
-def _of_motor(index: int, drive: Any, sample: Sample) -> float:
-    return float(sample.once(drive.figures, sample.time)[index])
+# ---------------------------------------------------------------------- motor of the top drive, other machines
+def _figure(index: int, machine: Any, sample: Sample) -> float:
+    return float(sample.once(machine.figures, sample.time)[index])
 
 
 def _motor_power(drive: Any, sample: Sample) -> float:
@@ -313,7 +313,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         mnemonic="RPMA",
         sign="clockwise (looking down)",
         doc="Speed of the quill.",
-        value=partial(_of_motor, 0),
+        value=partial(_figure, 0),
         panel=4,
         interest=4,
     ),
@@ -324,7 +324,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         mnemonic="TQMO",
         sign="the motor drives clockwise (looking down)",
         doc="Torque of the motor at the quill, within its limits.",
-        value=partial(_of_motor, 2),
+        value=partial(_figure, 2),
         panel=3,
     ),
     Quantity(
@@ -334,7 +334,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         mnemonic="TQPI",
         sign="the drive turns the string clockwise (looking down)",
         doc="Motor torque minus the torque that accelerates the drive; the surface torque.",
-        value=partial(_of_motor, 3),
+        value=partial(_figure, 3),
         panel=3,
     ),
     Quantity(
@@ -353,7 +353,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         mnemonic="RPME",
         sign="the drive is slower than its set point",
         doc="Set point minus the speed of the quill; 0 if the torque is prescribed.",
-        value=partial(_of_motor, 4),
+        value=partial(_figure, 4),
     ),
     Quantity(
         "control_mode",
@@ -363,7 +363,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         sign="0 torque prescribed, 1 pi, 2 stiff, 3 soft_torque, 4 z_torque, 5 python",
         doc="Kind of the controller that acts.",
         mean=False,
-        value=partial(_of_motor, 5),
+        value=partial(_figure, 5),
         finish=_whole,
     ),
     Quantity(
@@ -373,7 +373,7 @@ TOP_MOTOR: tuple[Quantity, ...] = (
         mnemonic="TQLI",
         sign="1 at a limit, else 0",
         doc="Whether a limit of the motor holds its torque.",
-        value=partial(_of_motor, 6),
+        value=partial(_figure, 6),
         finish=_whole,
     ),
 )
@@ -392,7 +392,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MRPM",
         sign="the rotor turns clockwise in the stator (looking down)",
         doc="Speed of the rotor and the bit from the stator.",
-        value=partial(_of_motor, _MOTOR_SPEED),
+        value=partial(_figure, _MOTOR_SPEED),
         panel=4,
         interest=3,
     ),
@@ -403,7 +403,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MTOR",
         sign="the stator turns the rotor clockwise (looking down)",
         doc="Torque of the downhole motor on the part below it; the opposite torque acts on the string above.",
-        value=partial(_of_motor, _MOTOR_TORQUE),
+        value=partial(_figure, _MOTOR_TORQUE),
         panel=3,
     ),
     Quantity(
@@ -414,7 +414,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MDPR",
         sign="pressure above less pressure below",
         doc="Pressure that the mud loses in the downhole motor.",
-        value=partial(_of_motor, _MOTOR_PRESSURE),
+        value=partial(_figure, _MOTOR_PRESSURE),
     ),
     Quantity(
         "motor_stalled",
@@ -423,7 +423,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MSTA",
         sign="1 stalled, else 0",
         doc="Whether the torque of the downhole motor has reached its stall torque.",
-        value=partial(_of_motor, _MOTOR_STALLED),
+        value=partial(_figure, _MOTOR_STALLED),
         finish=_whole,
     ),
     Quantity(
@@ -433,7 +433,7 @@ MUD_MOTOR: tuple[Quantity, ...] = (
         mnemonic="MORB",
         sign="clockwise in space (looking down)",
         doc="Speed in space at which the centre of the rotor circles the centre of the stator.",
-        value=partial(_of_motor, _MOTOR_ORBIT),
+        value=partial(_figure, _MOTOR_ORBIT),
     ),
     Quantity(
         "bearing_load",
@@ -470,7 +470,7 @@ AGITATOR: tuple[Quantity, ...] = (
         interpolate="motion",
         sign="pressure above less pressure below",
         doc="Oscillating part of the pressure that the mud loses in the valve of the agitator.",
-        value=partial(_of_motor, 0),
+        value=partial(_figure, 0),
         tool="agitator",
     ),
     Quantity(
@@ -481,17 +481,13 @@ AGITATOR: tuple[Quantity, ...] = (
         interpolate="motion",
         sign="pushes the halves apart",
         doc="Force of that pressure on the piston of the agitator.",
-        value=partial(_of_motor, 1),
+        value=partial(_figure, 1),
         tool="agitator",
     ),
 )
 
 
 # ---------------------------------------------------------------------- hoist
-def _of_hoist(index: int, hoist: Any, sample: Sample) -> float:
-    return float(sample.once(hoist.figures, sample.time)[index])
-
-
 HOIST: tuple[Quantity, ...] = (
     Quantity(
         "block_position",
@@ -501,7 +497,7 @@ HOIST: tuple[Quantity, ...] = (
         sign="above the floor",
         doc="Height of the block over the rig floor.",
         mean=False,
-        value=partial(_of_hoist, 0),
+        value=partial(_figure, 0),
     ),
     Quantity(
         "block_speed",
@@ -510,7 +506,7 @@ HOIST: tuple[Quantity, ...] = (
         mnemonic="BVEL",
         sign="down",
         doc="Speed of the block.",
-        value=partial(_of_hoist, 1),
+        value=partial(_figure, 1),
     ),
     Quantity(
         "drum_speed",
@@ -519,7 +515,7 @@ HOIST: tuple[Quantity, ...] = (
         mnemonic="DRSP",
         sign="the drum pays out",
         doc="Speed of the drum as the speed that the block has under a constant load.",
-        value=partial(_of_hoist, 2),
+        value=partial(_figure, 2),
     ),
     Quantity(
         "line_tension",
@@ -528,7 +524,7 @@ HOIST: tuple[Quantity, ...] = (
         mnemonic="LINF",
         sign="the lines pull the block up",
         doc="Force of all lines on the block.",
-        value=partial(_of_hoist, 3),
+        value=partial(_figure, 3),
     ),
     Quantity(
         "dead_line_tension",
@@ -537,7 +533,7 @@ HOIST: tuple[Quantity, ...] = (
         mnemonic="DLTN",
         sign="tension positive",
         doc="Tension of the dead line, with the friction of the sheaves against the motion of the block.",
-        value=partial(_of_hoist, 4),
+        value=partial(_figure, 4),
     ),
     Quantity(
         "hook_load_sensor",
@@ -546,7 +542,7 @@ HOIST: tuple[Quantity, ...] = (
         mnemonic="HKLS",
         sign="the hook pulls up",
         doc="Dead-line tension times the number of lines; with top.hoist.tare minus the weight of the block.",
-        value=partial(_of_hoist, 5),
+        value=partial(_figure, 5),
         panel=1,
     ),
 )
@@ -558,7 +554,7 @@ AUTODRILLER: tuple[Quantity, ...] = (
         mnemonic="SWOB",
         sign="positive on the rock",
         doc="Tared hook load without weight on bit, minus the present hook load.",
-        value=partial(_of_hoist, 6),
+        value=partial(_figure, 6),
         panel=2,
     ),
     Quantity(
@@ -569,7 +565,7 @@ AUTODRILLER: tuple[Quantity, ...] = (
         sign="0 off, 1 wob, 2 rop, 3 torque, 4 differential_pressure",
         doc="Loop that is in charge of the drum.",
         mean=False,
-        value=partial(_of_hoist, 7),
+        value=partial(_figure, 7),
         finish=_whole,
     ),
 )

@@ -17,10 +17,10 @@ from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
+from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
-from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.units import to_si
 from tests.helpers import handbook_hydraulics as handbook
 from tests.helpers.tables import each_row
@@ -89,12 +89,8 @@ def test_power_law_losses_by_api(channel):
     Re = 2917 lies between the limit of 1995, 2100, and that of the law, 3470 - 1370 n = 3093.  The example takes
     a/Re^b there, 16.7 psi, below its own laminar loss; the law stays laminar, 24/Re: 28.3 psi.
     """
-    dial = from_dial_readings(53, 34, 21, 8)
-    index, consistency = (
-        (dial.pipe_index, dial.pipe_consistency)
-        if channel == "bore"
-        else (dial.annulus_index, dial.annulus_consistency)
-    )
+    dial = {"600": 53.0, "300": 34.0, "100": 21.0, "3": 8.0}
+    consistency, index = by_rules("power_law", dial) if channel == "bore" else api_annulus(dial)
     mud = {"model": "power_law", "index": index, "consistency": consistency, "law": "api"}
     found = Hydraulics(
         case(

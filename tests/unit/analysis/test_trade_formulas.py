@@ -18,7 +18,7 @@ from drillpetsc.analysis.hydraulics.trade_formulas import (
     PPG,
     PSI,
 )
-from drillpetsc.physics.fluid.rheology import from_dial_readings
+from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.units import to_si
 from tests.helpers import handbook_hydraulics as handbook
 from tests.helpers.tables import each_row
@@ -59,25 +59,20 @@ def test_bit_hydraulics_of_lapeyrouse():
 
 def test_power_law_losses_by_api():
     """12.8 ppg, dial 53/34/21/8, 335 gpm; an example worked by the rules of RP 13D (1995), surface line of case 3."""
-    mud = from_dial_readings(53, 34, 21, 8)
-    assert mud.pipe_index == pytest.approx(0.640, rel=5e-3)
-    assert mud.pipe_consistency == pytest.approx(0.3209, rel=5e-3)  # 3.209 dyn s^n/cm2
-    assert mud.annulus_index == pytest.approx(0.2754, rel=5e-3)
-    assert mud.annulus_consistency == pytest.approx(2.609, rel=5e-3)
+    dial = {"600": 53.0, "300": 34.0, "100": 21.0, "3": 8.0}
+    in_pipe, around = by_rules("power_law", dial), api_annulus(dial)
+    assert in_pipe == pytest.approx((0.3209, 0.640), rel=5e-3)  # 3.209 dyn s^n/cm2
+    assert around == pytest.approx((2.609, 0.2754), rel=5e-3)
     flow, density = 335 * GPM, 12.8 * PPG
     for length, bore, loss in ((11641, 3.826, 792.8), (390, 2.25, 277.9), (610, 3.826, 41.5)):
-        found = handbook.api_pipe_loss(
-            flow, bore * INCH, length * FOOT, density, mud.pipe_consistency, mud.pipe_index
-        )
+        found = handbook.api_pipe_loss(flow, bore * INCH, length * FOOT, density, *in_pipe)
         assert found / PSI == pytest.approx(loss, rel=5e-3)
     for length, hole, pipe, loss in (
         (390, 8.625, 7.0, 16.7),
         (855, 8.625, 4.5, 15.4),
         (10786, 8.835, 4.5, 178.6),
     ):
-        found = handbook.api_annulus_loss(
-            flow, hole * INCH, pipe * INCH, length * FOOT, density, mud.annulus_consistency, mud.annulus_index
-        )
+        found = handbook.api_annulus_loss(flow, hole * INCH, pipe * INCH, length * FOOT, density, *around)
         assert found / PSI == pytest.approx(loss, rel=5e-3)
 
 
