@@ -9,9 +9,7 @@ from drillpetsc.case.block import overlaid
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.case.blocks.fluid import PowerLaw
-from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.string import Beam, Bit, Inertia, Item, Material, Rigid, Tube
-from drillpetsc.case.blocks.items.tools import TelescopingTool
 from drillpetsc.case.files.mud_report import api_annulus
 from drillpetsc.case.quantities import largest, slowest
 
@@ -87,11 +85,9 @@ def _with_defaults(item: Item, material: Material) -> Item:
     """A copy of the item with its material and, if it is rigid, its mass and inertia."""
     if isinstance(item, Tube):
         own = overlaid(material, item.material)
-        density = item.density() if isinstance(item, (TelescopingTool, PositiveDisplacementMotor)) else None
         mass = getattr(item, "mass", None)
-        if density is None and mass is not None:  # of another tool
-            density = mass / (math.pi / 4 * (item.od**2 - item.id**2) * item.length)
-        if density is not None:
+        if mass is not None:  # of a tool: the density that gives its tube the mass
+            density = mass / (item.length * math.pi / 4 * (item.od**2 - item.id**2))
             own = own.model_copy(update={"density": density})
         return item.model_copy(update={"material": own})
     if isinstance(item, Beam):

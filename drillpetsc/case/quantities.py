@@ -358,6 +358,12 @@ def as_list(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
+def one_as_list(value: Any) -> Any:
+    """One value as a list of one."""
+    value = as_list(value)
+    return value if isinstance(value, (list, tuple)) else [value]
+
+
 def slowest(function: TimeFunction | None) -> float | None:
     """Smallest magnitude above zero of the given values of an input over time, in its unit; None if all are zero."""
     values = function.values if isinstance(function, PiecewiseLinear) else (largest(function),)

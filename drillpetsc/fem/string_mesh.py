@@ -169,7 +169,6 @@ class StringMesh:
     outer_area: for buoyancy and end forces [m2]; bore_area: of the mud inside [m2].
     tube_outer_area, tube_bore_area: of the tube between tool joints, whose wall is reported on [m2].
     joint_length [m], worn_diameter: outer diameter of the worn tube [m], yield_strength [Pa]; nan if unknown.
-    The last nine default to the values of plain tubes.
     """
 
     upper: FloatArray
@@ -189,39 +188,20 @@ class StringMesh:
     curvature: FloatArray
     item: np.ndarray
     friction: FloatArray
+    contact_diameter: FloatArray
+    clearance_diameter: FloatArray
+    outer_area: FloatArray
+    bore_area: FloatArray
+    tube_outer_area: FloatArray
+    tube_bore_area: FloatArray
+    joint_length: FloatArray
+    worn_diameter: FloatArray
+    yield_strength: FloatArray
     bodies: tuple[RigidItem, ...] = ()
     bent: tuple[BentCell, ...] = ()
     junction: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
     joints: tuple[StringJoint, ...] = ()
     limited: tuple[dict[str, Any], ...] = ()
-    contact_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
-    clearance_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
-    outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
-    bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
-    tube_outer_area: FloatArray = field(default_factory=lambda: np.zeros(0))
-    tube_bore_area: FloatArray = field(default_factory=lambda: np.zeros(0))
-    joint_length: FloatArray = field(default_factory=lambda: np.zeros(0))
-    worn_diameter: FloatArray = field(default_factory=lambda: np.zeros(0))
-    yield_strength: FloatArray = field(default_factory=lambda: np.zeros(0))
-
-    def __post_init__(self) -> None:
-        """Fill in the arrays of plain tubes."""
-        unknown = np.full(len(self.upper), np.nan)
-        plain = {
-            "contact_diameter": self.outer_diameter,
-            "clearance_diameter": self.outer_diameter,
-            "outer_area": np.pi * (0.5 * self.outer_diameter) ** 2,
-            "bore_area": np.pi * (0.5 * self.inner_diameter) ** 2,
-            "joint_length": unknown,
-            "worn_diameter": self.outer_diameter,
-            "yield_strength": unknown,
-        }
-        for name, values in plain.items():
-            if len(getattr(self, name)) != len(self.upper):
-                object.__setattr__(self, name, values)
-        for name in ("outer_area", "bore_area"):
-            if len(getattr(self, f"tube_{name}")) != len(self.upper):
-                object.__setattr__(self, f"tube_{name}", getattr(self, name))
 
     @property
     def length(self) -> FloatArray:
@@ -296,6 +276,23 @@ class StringMesh:
         """Measured depth of the string's lower end [m], rigid items included."""
         last = max((b.above + b.length for b in self.bodies if b.node == self.nodes - 1), default=0.0)
         return float(self.node_depth[-1] + last)
+
+
+def plain_sizes(outer: Any, inner: Any) -> dict[str, Any]:
+    """Sizes of plain tubes by the names of ``StringMesh``, of their outer and inner diameters [m]: numbers or (n,)."""
+    unknown = np.nan * outer
+    sizes = {
+        "outer_diameter": outer,
+        "inner_diameter": inner,
+        "contact_diameter": outer,
+        "clearance_diameter": outer,
+        "outer_area": np.pi * (0.5 * outer * (0.5 * outer)),
+        "bore_area": np.pi * (0.5 * inner * (0.5 * inner)),
+        "joint_length": unknown,
+        "worn_diameter": outer,
+        "yield_strength": unknown,
+    }
+    return sizes | {f"tube_{key}": sizes[key] for key in ("outer_area", "bore_area")}
 
 
 def tube(outer: float, inner: float, young: float, poisson: float, density: float) -> dict[str, float]:

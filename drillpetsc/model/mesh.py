@@ -25,7 +25,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
 from drillpetsc.case.pipe.section import tubular_section
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh, tube
+from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh, plain_sizes, tube
 from drillpetsc.geometry.frames import Frames, axial_curvature
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.element_length import ElementLengths, choose_lengths
@@ -377,20 +377,12 @@ def _section(item: Flexible, units: System) -> dict[str, float]:
         values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}
         damping = item.damping
     values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
-    outer, inner = item.od or 0.0, item.id
-    plain = {
-        "contact_diameter": outer,
-        "clearance_diameter": outer,
-        "outer_area": np.pi * (0.5 * outer * (0.5 * outer))
-        if item.annulus_od is None
-        else item.outer_section,
-        "bore_area": np.pi * (0.5 * inner * (0.5 * inner)) if item.bore_volume is None else item.bore_section,
-        "joint_length": np.nan,
-        "worn_diameter": outer,
-        "yield_strength": np.nan,
-    }
-    plain |= {f"tube_{key}": plain[key] for key in ("outer_area", "bore_area")}
-    return {"outer_diameter": outer, "inner_diameter": inner, **plain, **values}
+    sizes = plain_sizes(item.od or 0.0, item.id)
+    if item.annulus_od is not None:
+        sizes |= dict.fromkeys(("outer_area", "tube_outer_area"), item.outer_section)
+    if item.bore_volume is not None:
+        sizes |= dict.fromkeys(("bore_area", "tube_bore_area"), item.bore_section)
+    return {**sizes, **values}
 
 
 def _polar(size: float, angle: float) -> tuple[float, float]:

@@ -63,23 +63,15 @@ class AncfBeam(interfaces.Beam):
         return (*always, ratio) if self.mesh.junction.any() or self.mesh.below_junction.any() else always
 
     def _params(self, e: np.ndarray) -> FloatArray:
-        m, f = self.mesh, self.frames
+        f = self.frames
         return Parameters(
             "beam",
             len(e),
-            length=m.length[e],
-            ea=m.axial_stiffness[e],
-            ei=m.bending_stiffness[e],
-            gj=m.torsional_stiffness[e],
-            mass=m.mass[e],
-            polar=m.polar_inertia[e],
-            beta=m.stiffness_damping[e],
-            alpha=m.mass_damping[e],
             twist0=f.twist0[e],
             gravity=self.gravity,
             reference1=f.reference[e],
             reference2=f.reference[e + 1],
-            rigid=m.rigid_above[e],
+            **section_parameters(self.mesh, e),
         ).array
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -216,6 +208,21 @@ class AncfBeam(interfaces.Beam):
     def powers_of(self, steps) -> tuple[Any, Any]:
         damped = (b for b in self._blocks if "damped" in b.kernel)
         return sum(steps.sums(b, "beam_balance", _BALANCE.width)[:, _DISSIPATED] for b in damped), 0.0
+
+
+def section_parameters(mesh: StringMesh, e: np.ndarray) -> dict[str, FloatArray]:
+    """Sections of the elements ``e``, by the names of the kernels' parameters."""
+    return {
+        "length": mesh.length[e],
+        "ea": mesh.axial_stiffness[e],
+        "ei": mesh.bending_stiffness[e],
+        "gj": mesh.torsional_stiffness[e],
+        "mass": mesh.mass[e],
+        "polar": mesh.polar_inertia[e],
+        "beta": mesh.stiffness_damping[e],
+        "alpha": mesh.mass_damping[e],
+        "rigid": mesh.rigid_above[e],
+    }
 
 
 def results_of_cells(state: Any, blocks: Iterable[ElementBlock], kernel: str) -> FloatArray:

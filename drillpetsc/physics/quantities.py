@@ -78,9 +78,9 @@ def _of_jar(index: int, joints: Any, sample: Sample) -> float:
     return float(sample.once(joints.jar_figures)[index])
 
 
-# ---------------------------------------------------------------------- motor of the top drive
-def _of_motor(index: int, drive: Any, sample: Sample) -> float:
-    return float(sample.once(drive.figures, sample.time)[index])
+# ---------------------------------------------------------------------- motor of the top drive, other machines
+def _figure(index: int, machine: Any, sample: Sample) -> float:
+    return float(sample.once(machine.figures, sample.time)[index])
 
 
 def _motor_power(drive: Any, sample: Sample) -> float:
@@ -110,13 +110,13 @@ def jar(number: int) -> tuple[Quantity, ...]:
 
 
 TOP_MOTOR: tuple[Quantity, ...] = (
-    quantity("top_speed", value=partial(_of_motor, 0)),
-    quantity("motor_torque", value=partial(_of_motor, 2)),
-    quantity("pipe_torque", value=partial(_of_motor, 3)),
+    quantity("top_speed", value=partial(_figure, 0)),
+    quantity("motor_torque", value=partial(_figure, 2)),
+    quantity("pipe_torque", value=partial(_figure, 3)),
     quantity("motor_power", value=_motor_power),
-    quantity("speed_error", value=partial(_of_motor, 4)),
-    quantity("control_mode", value=partial(_of_motor, 5), finish=_whole),
-    quantity("torque_limited", value=partial(_of_motor, 6), finish=_whole),
+    quantity("speed_error", value=partial(_figure, 4)),
+    quantity("control_mode", value=partial(_figure, 5), finish=_whole),
+    quantity("torque_limited", value=partial(_figure, 6), finish=_whole),
 )
 
 
@@ -126,11 +126,11 @@ _MOTOR_TORQUE, _MOTOR_SPEED, _MOTOR_PRESSURE, _MOTOR_STALLED, _MOTOR_ORBIT = ran
 
 
 MUD_MOTOR: tuple[Quantity, ...] = (
-    quantity("motor_speed", value=partial(_of_motor, _MOTOR_SPEED)),
-    quantity("motor_output_torque", value=partial(_of_motor, _MOTOR_TORQUE)),
-    quantity("motor_differential_pressure", value=partial(_of_motor, _MOTOR_PRESSURE)),
-    quantity("motor_stalled", value=partial(_of_motor, _MOTOR_STALLED), finish=_whole),
-    quantity("rotor_orbit_speed", value=partial(_of_motor, _MOTOR_ORBIT)),
+    quantity("motor_speed", value=partial(_figure, _MOTOR_SPEED)),
+    quantity("motor_output_torque", value=partial(_figure, _MOTOR_TORQUE)),
+    quantity("motor_differential_pressure", value=partial(_figure, _MOTOR_PRESSURE)),
+    quantity("motor_stalled", value=partial(_figure, _MOTOR_STALLED), finish=_whole),
+    quantity("rotor_orbit_speed", value=partial(_figure, _MOTOR_ORBIT)),
     quantity("bearing_load", value=lambda motor, sample: sample.once(motor.thrust, sample.time)),
     quantity(
         "tool_face",
@@ -143,25 +143,21 @@ MUD_MOTOR: tuple[Quantity, ...] = (
 
 # ---------------------------------------------------------------------- agitator
 AGITATOR: tuple[Quantity, ...] = (
-    quantity("agitator_pressure", value=partial(_of_motor, 0)),
-    quantity("agitator_force", value=partial(_of_motor, 1)),
+    quantity("agitator_pressure", value=partial(_figure, 0)),
+    quantity("agitator_force", value=partial(_figure, 1)),
 )
 
 
 # ---------------------------------------------------------------------- hoist
-def _of_hoist(index: int, hoist: Any, sample: Sample) -> float:
-    return float(sample.once(hoist.figures, sample.time)[index])
-
-
 HOIST: tuple[Quantity, ...] = (
-    quantity("block_position", value=partial(_of_hoist, 0)),
-    quantity("block_speed", value=partial(_of_hoist, 1)),
-    quantity("drum_speed", value=partial(_of_hoist, 2)),
-    quantity("line_tension", value=partial(_of_hoist, 3)),
-    quantity("dead_line_tension", value=partial(_of_hoist, 4)),
-    quantity("hook_load_sensor", value=partial(_of_hoist, 5)),
+    quantity("block_position", value=partial(_figure, 0)),
+    quantity("block_speed", value=partial(_figure, 1)),
+    quantity("drum_speed", value=partial(_figure, 2)),
+    quantity("line_tension", value=partial(_figure, 3)),
+    quantity("dead_line_tension", value=partial(_figure, 4)),
+    quantity("hook_load_sensor", value=partial(_figure, 5)),
 )
 AUTODRILLER: tuple[Quantity, ...] = (
-    quantity("wob_surface", value=partial(_of_hoist, 6)),
-    quantity("autodriller_mode", value=partial(_of_hoist, 7), finish=_whole),
+    quantity("wob_surface", value=partial(_figure, 6)),
+    quantity("autodriller_mode", value=partial(_figure, 7), finish=_whole),
 )

@@ -23,10 +23,10 @@ from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.analysis.statics.relaxation import relax
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
+from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.hole import build_well
 from drillpetsc.output import read_table
-from drillpetsc.physics.fluid.rheology import from_dial_readings
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -271,11 +271,10 @@ def fritz(problem: Problem) -> Found:
 
 def power_law(channel: str, dial: list[float]) -> Found:
     """Index and consistency [Pa s^n] of a channel by the rules of API RP 13D, from dial readings at 600, 300, 100 and 3 rpm."""
-    found = from_dial_readings(*dial)
-    return {
-        "model": "power_law", "law": "api",
-        "index": getattr(found, f"{channel}_index"), "consistency": getattr(found, f"{channel}_consistency"),
-    }  # fmt: skip
+    readings = dict(zip(("600", "300", "100", "3"), dial, strict=True))
+    found = by_rules("power_law", readings) if channel == "bore" else api_annulus(readings)
+    assert found is not None
+    return {"model": "power_law", "law": "api", "index": found[1], "consistency": found[0]}
 
 
 def api_13d(problem: Problem) -> Found:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
-from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh
+from drillpetsc.fem.string_mesh import RigidItem, StringJoint, StringMesh, plain_sizes
 from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.end_conditions import EndPlace, FixedEnd
@@ -52,8 +52,7 @@ def chain_of_bodies(bodies: tuple[RigidItem, ...], joints: tuple[StringJoint, ..
         torsional_stiffness=one,
         mass=zero,
         polar_inertia=zero,
-        outer_diameter=zero,
-        inner_diameter=zero,
+        **plain_sizes(zero, zero),
         stiffness_damping=zero,
         mass_damping=zero,
         rigid_above=np.array([b.length for b in bodies[:-1]]),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.fem.string_mesh import StringMesh, plain_sizes
 
 
 def uniform_string(length: float, elements: int, **section: float) -> StringMesh:
@@ -36,8 +36,7 @@ def uniform_string(length: float, elements: int, **section: float) -> StringMesh
         lower=depth[1:],
         node_depth=depth,
         **columns,
-        outer_diameter=full("outer_diameter"),
-        inner_diameter=full("inner_diameter"),
+        **plain_sizes(full("outer_diameter"), full("inner_diameter")),
         rigid_above=np.zeros(elements),
         eccentricity=np.zeros((elements, 2)),
         curvature=np.zeros((elements, 2)),

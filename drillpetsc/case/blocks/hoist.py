@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, Strict, model_validator
 
 from drillpetsc.case.block import Block
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import OverTime, Quantity, said
+from drillpetsc.case.quantities import OverTime, Quantity, one_as_list, said
 from drillpetsc.time_function import TimeFunction
 
 MODES = ("wob", "rop", "torque", "differential_pressure")
@@ -118,11 +118,6 @@ class HoistBlock(Block):
         return 2 * self.height if self.crown_height is None else self.crown_height
 
 
-def _as_list(value: Any) -> Any:
-    """One mode as a list of one."""
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
 Mode = Literal["wob", "rop", "torque", "differential_pressure"]
 _GAINS = {"torque": "torque", "differential_pressure": "pressure"}  # words of the gains of a mode
 
@@ -141,7 +136,7 @@ class AutodrillerBlock(Block):
     }  # fmt: skip
     """Keys that one of the modes uses."""
     mode: Annotated[
-        tuple[Mode, ...], BeforeValidator(_as_list, json_schema_input_type=Mode | tuple[Mode, ...])
+        tuple[Mode, ...], BeforeValidator(one_as_list, json_schema_input_type=Mode | tuple[Mode, ...])
     ] = Field(default=("wob",), description="what is held at its set point, or the first limit of several")
     wob: Annotated[TimeFunction, OverTime("N")] | None = Field(
         default=None, description="set point of the weight on bit over time"

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from drillpetsc.case.block import Block
 from drillpetsc.case.files.measured_file import OPERATIONS, operation_word, read_measured
 from drillpetsc.case.key_paths import refuse, suggestion
-from drillpetsc.case.quantities import Quantity, as_list
+from drillpetsc.case.quantities import Quantity, as_list, one_as_list
 from drillpetsc.units import to_si
 
 Operation = Literal["trip_in", "trip_out", "rotate_off_bottom", "drilling", "sliding", "backreaming"]
@@ -32,14 +32,9 @@ def _operation(value: Any) -> Any:
     return word
 
 
-def _factors(value: Any) -> Any:
-    value = as_list(value)
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
 Factor = Annotated[float, Quantity("", at_least=0, at_most=2)]
 Factors = Annotated[
-    tuple[Factor, ...], BeforeValidator(_factors, json_schema_input_type=Factor | tuple[Factor, ...])
+    tuple[Factor, ...], BeforeValidator(one_as_list, json_schema_input_type=Factor | tuple[Factor, ...])
 ]
 AnyOperation = Annotated[Operation, BeforeValidator(_operation, json_schema_input_type=str)]
 

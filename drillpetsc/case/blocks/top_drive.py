@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
 
 from drillpetsc.case.block import Block, ByKind
 from drillpetsc.case.blocks.own_law import FunctionName, OwnFunction
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import Quantity, WordOrNumber, said
+from drillpetsc.case.quantities import Quantity, WordOrNumber, one_as_list, said
 from drillpetsc.own_code import parameters_of
 
 POWER_TOLERANCE = 0.01  # by which power and max_torque times base_speed may differ [-]
@@ -208,12 +208,7 @@ AnyController = Annotated[
 ]
 
 
-def _as_list(value: Any) -> Any:
-    """One controller as a list of one."""
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
 Controllers = Annotated[
     tuple[AnyController, ...],
-    BeforeValidator(_as_list, json_schema_input_type=AnyController | tuple[AnyController, ...]),
+    BeforeValidator(one_as_list, json_schema_input_type=AnyController | tuple[AnyController, ...]),
 ]

@@ -22,7 +22,7 @@ from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.case.files.survey_file import read_survey
 from drillpetsc.case.importers.stations import Rules
 from drillpetsc.case.key_paths import refuse
-from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, as_list, said
+from drillpetsc.case.quantities import BARE_NUMBERS, InSI, Quantity, one_as_list, said
 
 DEFAULT_FRICTION = {"casing": 0.2, "riser": 0.2, "open_hole": 0.3}
 
@@ -316,15 +316,9 @@ class Well(Block):
         return next((q.diameter for q in self.sections if depth <= q.to), self.sections[-1].diameter)
 
 
-def _list(value: Any) -> Any:
-    """One value as a list of one."""
-    value = as_list(value)
-    return value if isinstance(value, (list, tuple)) else [value]
-
-
 _Density = Annotated[float, Quantity("kg/m^3", above=0, at_most=5e3, kind="mud_weight")]
 Densities = Annotated[
-    tuple[_Density, ...], BeforeValidator(_list, json_schema_input_type=_Density | tuple[_Density, ...])
+    tuple[_Density, ...], BeforeValidator(one_as_list, json_schema_input_type=_Density | tuple[_Density, ...])
 ]
 
 

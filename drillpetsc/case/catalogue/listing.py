@@ -19,7 +19,7 @@ from drillpetsc.case.catalogue.reference import (
     same_connection,
 )
 from drillpetsc.case.catalogue.sizes import FT_LBF, KSI, LB_PER_FT, LBF, inch_text, size_at_start
-from drillpetsc.case.catalogue.tables import TABLES, Catalogue, Row
+from drillpetsc.case.catalogue.tables import TABLES, Catalogue, Row, units_of
 from drillpetsc.errors import CaseError
 
 TITLES = {
@@ -70,7 +70,7 @@ class CatalogueRows(Sequence[Row]):
             rows = [row for row in self._rows if row.table == table]
             if not rows:
                 continue
-            units = {column.lstrip("?"): unit for column, unit in TABLES[table].items() if column != "source"}
+            units = {column: unit for column, unit in units_of(table).items() if column != "source"}
             cells = []
             for row in rows:
                 mark = "yes" if row.verified else "NO"

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -20,71 +20,18 @@ FOLDER = Path(__file__).parent
 MAX_BYTES = 5_000_000  # of a table
 CONSISTENT = 0.02  # allowed relative difference between a weight and the weight computed from the dimensions
 
-# Column -> unit; "" is text. A column marked with "?" may be empty or left out; it is computed if possible.
-TABLES: dict[str, dict[str, str]] = {
-    "drill_pipe": {
-        "size": "in",
-        "nominal": "lb/ft",
-        "?wall": "in",
-        "?id": "in",
-        "?plain_end": "lb/ft",
-        "?tensile_e75_new": "lbf",
-        "?torsion_e75_new": "ft-lbf",
-        "?tensile_e75_premium": "lbf",
-        "?torsion_e75_premium": "ft-lbf",
-        "?tensile_e75_class_2": "lbf",
-        "source": "",
-    },
-    "tool_joint": {
-        "size": "in",
-        "nominal": "lb/ft",
-        "grade": "",
-        "?upset": "",
-        "connection": "",
-        "od": "in",
-        "id": "in",
-        "length": "in",
-        "?upset_od": "in",
-        "?upset_weight": "lb",
-        "?adjusted": "lb/ft",
-        "?make_up": "ft-lbf",
-        "source": "",
-    },
-    "connection": {
-        "connection": "",
-        "taper": "in/ft",
-        "threads": "1/in",
-        "thread_height": "in",
-        "root": "in",
-        "pitch_diameter": "in",
-        "pin_length": "in",
-        "counterbore": "in",
-        "source": "",
-    },
-    "hwdp": {
-        "size": "in",
-        "id": "in",
-        "?tube": "lb/ft",
-        "connection": "",
-        "tool_joint_od": "in",
-        "tool_joint_id": "in",
-        "tool_joint_length": "in",
-        "?center_upset_od": "in",
-        "?center_upset_length": "in",
-        "weight": "lb/ft",
-        "source": "",
-    },
-    "drill_collar": {"od": "in", "id": "in", "?weight": "lb/ft", "source": ""},
-    "casing": {"size": "in", "nominal": "lb/ft", "?wall": "in", "?id": "in", "?drift": "in", "source": ""},
-    "grade": {
-        "grade": "",
-        "kind": "",
-        "yield": "ksi",
-        "?yield_most": "ksi",
-        "?tensile": "ksi",
-        "source": "",
-    },
-    "class": {"class": "", "wall": "", "source": ""},
+#: columns that each row of a table needs; the others may be empty or left out, and are computed if possible
+TABLES = {
+    "drill_pipe": ("size", "nominal"),
+    "tool_joint": ("size", "nominal", "grade", "connection", "od", "id", "length"),
+    "connection": tuple(
+        "connection taper threads thread_height root pitch_diameter pin_length counterbore".split()
+    ),
+    "hwdp": tuple("size id connection tool_joint_od tool_joint_id tool_joint_length weight".split()),
+    "drill_collar": ("od", "id"),
+    "casing": ("size", "nominal"),
+    "grade": ("grade", "kind", "yield"),
+    "class": ("class", "wall"),
 }
 #: columns without a unit that hold numbers
 NUMBERS = {("class", "wall")}
@@ -193,22 +140,32 @@ def read_table(path: Path, name: str) -> tuple[Row, ...]:
         raise CaseError(
             at="catalogue", got=str(path), want=f"a file that can be read ({error.strerror})"
         ) from None
-    lines = [
-        (i, line)
-        for i, line in enumerate(text.splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = _lines(text)
     if not lines:
         raise CaseError(file=path, line=1, want=f"a header such as: {_header_of(name)}")
     columns = _columns(path, name, *lines[0])
     return tuple(_row(path, name, columns, i, line) for i, line in lines[1:])
 
 
+def _lines(text: str) -> list[tuple[int, str]]:
+    """Lines that are not empty and no comments, with their numbers."""
+    return [
+        (i, line)
+        for i, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+
+
+@cache
+def units_of(name: str) -> dict[str, str]:
+    """Unit of each column of a table, "" of texts: the header of the package's own table."""
+    file = FOLDER / f"{name}.csv"
+    titles = _cells(file, *_lines(file.read_text(encoding="utf-8"))[0])
+    return {match[1]: match[2] or "" for match in map(_HEAD.fullmatch, titles) if match}
+
+
 def _header_of(name: str) -> str:
-    parts = []
-    for column, unit in TABLES[name].items():
-        parts.append(column.lstrip("?") + (f" [{unit}]" if unit else ""))
-    return ", ".join(parts)
+    return ", ".join(column + (f" [{unit}]" if unit else "") for column, unit in units_of(name).items())
 
 
 def _cells(path: Path, line: int, text: str) -> list[str]:
@@ -222,7 +179,7 @@ def _cells(path: Path, line: int, text: str) -> list[str]:
 
 def _columns(path: Path, name: str, line: int, text: str) -> list[str]:
     """Names of the columns, from the header."""
-    known = {column.lstrip("?"): unit for column, unit in TABLES[name].items()}
+    known = units_of(name)
     columns: list[str] = []
     for title in _cells(path, line, text):
         match = _HEAD.fullmatch(title)
@@ -236,7 +193,7 @@ def _columns(path: Path, name: str, line: int, text: str) -> list[str]:
                 at=column, got=title, want=want, hint="tables are in field units", file=path, line=line
             )
         columns.append(column)
-    missing = [c for c in TABLES[name] if not c.startswith("?") and c not in columns and c != "source"]
+    missing = [c for c in TABLES[name] if c not in columns]
     if missing:
         raise CaseError(
             at=missing[0],
@@ -256,10 +213,10 @@ def _row(path: Path, name: str, columns: list[str], line: int, text: str) -> Row
             got=text, want=f"{len(columns)} cells, as the header has", file=path, line=line, longest=200
         )
     cells: dict[str, Any] = {}
-    units = {column.lstrip("?"): unit for column, unit in TABLES[name].items()}
+    units = units_of(name)
     for column, cell in zip(columns, given, strict=True):
         if not cell:
-            if f"?{column}" in TABLES[name] or column == "source":
+            if column not in TABLES[name]:
                 continue
             raise CaseError(at=column, got="an empty cell", want="a value", file=path, line=line)
         is_number = bool(units[column]) or (name, column) in NUMBERS

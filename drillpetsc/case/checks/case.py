@@ -9,11 +9,12 @@ from drillpetsc.case.blocks.case_blocks import CaseBlocks
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.items.reamer import Reamer
 from drillpetsc.case.blocks.items.string import Beam, Bit, Item, Rigid, Stabilizer, Tube
-from drillpetsc.case.checks.drilling import check_drilling, check_time
+from drillpetsc.case.checks.drilling import check_drilling
+from drillpetsc.case.checks.exclusions import check_exclusions
 from drillpetsc.case.checks.fit import LENGTH_TOLERANCE, Misfit, misfit
-from drillpetsc.case.checks.fluid import check_fluid, check_held_string
+from drillpetsc.case.checks.fluid import check_fluid
 from drillpetsc.case.checks.joints import check_joints
-from drillpetsc.case.checks.limits import check_quaternion, check_size
+from drillpetsc.case.checks.limits import check_size
 from drillpetsc.case.checks.machines import check_hoist, check_motor, check_steering
 from drillpetsc.case.checks.reamer import check_reamer
 from drillpetsc.case.checks.sensors import check_sensors
@@ -24,8 +25,7 @@ from drillpetsc.unit_systems import System
 
 def check_case(case: CaseBlocks) -> None:
     """Raise on the first contradiction between blocks."""
-    check_held_string(case)
-    check_quaternion(case)
+    check_exclusions(case)
     _bit_last(case)
     _well_or_none(case)
     check_fluid(case)
@@ -37,7 +37,6 @@ def check_case(case: CaseBlocks) -> None:
     _bit_on_bottom(case)
     check_drilling(case)
     _start(case)
-    check_time(case)
     check_hoist(case)
     _integrator(case)
     check_joints(case)

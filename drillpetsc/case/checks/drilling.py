@@ -1,9 +1,9 @@
-"""Checks of the formation against hole, bit and ends, and of a quasi-static run against the rest of the case."""
+"""Checks of the formation against hole, bit and ends."""
 
 from __future__ import annotations
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.ends import BitBottom, DrivenTop
+from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.items.reamer import Reamer
 from drillpetsc.case.blocks.items.string import Bit, Flexible
 from drillpetsc.case.key_paths import refuse
@@ -28,12 +28,6 @@ def check_drilling(case: CaseBlocks) -> None:
             "formation",
             want="no formation without a well",
             hint="the bit drills on from the end of the hole; give a well",
-        )
-    if case.hold_string:
-        raise refuse(
-            "formation",
-            want="no formation with a held string",
-            hint="a bit that is held cuts nothing; leave hold_string out",
         )
     if not isinstance(case.bottom, BitBottom):
         want = f"no formation with bottom {case.bottom.kind}"
@@ -122,34 +116,3 @@ def _new_hole(case: CaseBlocks) -> None:
             raise refuse(
                 "string", i, *key, got=outer, want=want, hint="the item follows the bit into the new hole"
             )
-
-
-def check_time(case: CaseBlocks) -> None:
-    """Raise if a quasi-static run, a sequence of equilibria, is not possible."""
-    if case.time is None or case.time.mode != "quasi_static":
-        return
-    if case.hold_string:
-        hint = "a held string has no equilibrium to follow; fluid: {dynamics: quasi_steady} takes the inertia from the fluid"
-        raise refuse("time", "mode", got="quasi_static", want="dynamic with a held string", hint=hint)
-    if case.formation is not None and case.formation.bit_law.orders:
-        hint = "without inertia the bottom is plane: bit_law: rop, or velocity_weakening"
-        raise refuse(
-            "formation",
-            "bit_law",
-            "kind",
-            got="roller_cone",
-            want="no roller_cone in a quasi-static run",
-            hint=hint,
-        )
-    if isinstance(case.top, DrivenTop):
-        hint = "a drive has inertia only; kind: top_drive turns the string at the rotation given"
-        raise refuse("top", "kind", got="driven", want="no drive in a quasi-static run", hint=hint)
-    if case.initial.from_ in ("rest", "straight"):
-        want = "statics, or a run folder, with time.mode quasi_static"
-        raise refuse(
-            "initial",
-            "from",
-            got=case.initial.from_,
-            want=want,
-            hint="the string is in equilibrium at all times in such a run",
-        )

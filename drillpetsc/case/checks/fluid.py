@@ -1,11 +1,10 @@
-"""Checks of the drilling fluid against string, hole and ends, and of a held string against other blocks."""
+"""Checks of the drilling fluid against string, hole and ends."""
 
 from __future__ import annotations
 
 import math
 
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.ends import DrivenTop, ForcedBottom
 from drillpetsc.case.blocks.fluid import Fluid
 from drillpetsc.case.blocks.items.string import Beam, Bit, Flexible, Rigid, Stabilizer
 from drillpetsc.case.key_paths import refuse
@@ -13,34 +12,6 @@ from drillpetsc.case.quantities import largest, said
 
 #: a pressure above this share of the mud's bulk modulus is none of a well: compression is no longer small (manual: sec-mud-content)
 SHARE_OF_MODULUS = 0.25
-
-
-def check_held_string(case: CaseBlocks) -> None:
-    """Raise if a held string is moved or loaded, or if there is no fluid.
-
-    A held string has no unknowns. The flow is the only thing left to compute.
-    """
-    if not case.hold_string:
-        return
-    if case.fluid is None:
-        want = "hold_string only with a fluid"
-        raise refuse("hold_string", got=True, want=want, hint="without a fluid the case has no unknowns")
-    hint = "hold_string leaves the geometry of the string, without its motion"
-    if isinstance(case.top, DrivenTop):
-        raise refuse("top", "kind", got="driven", want="no drive of a held string: clamped", hint=hint)
-    for key, value in (("rotation", case.top.rotation), ("lowering", case.top.lowering)):
-        if largest(value) > 0:
-            raise refuse("top", key, want=f"no {key} of a held string", hint=hint)
-    if case.top.force is not None:
-        raise refuse("top", "force", want="no force of a held string", hint=hint)
-    if case.top.hoist is not None:
-        raise refuse("top", "hoist", want="no hoist of a held string", hint=hint)
-    if isinstance(case.bottom, ForcedBottom):
-        raise refuse("bottom", "kind", got="force", want="no force on a held string: free", hint=hint)
-    if case.loads:
-        raise refuse("loads", want="no loads on a held string", hint=hint)
-    if case.initial.wob is not None:
-        raise refuse("initial", "wob", got=case.initial.wob, want="no wob with a held string", hint=hint)
 
 
 def check_fluid(case: CaseBlocks) -> None:
@@ -54,28 +25,16 @@ def check_fluid(case: CaseBlocks) -> None:
     if partly and not (case.bottom.plugged and not case.side_nozzles):
         want = "a plugged bottom, such as bottom: {kind: free, plugged: true}: an open string fills"
         raise refuse("fluid", partly[0], got=said(getattr(case.fluid, partly[0]), "length"), want=want)
-    if case.formation is not None and case.fluid.formulation == "hermite":
-        hint = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
-        raise refuse("fluid", "formulation", got="hermite", want="mixed with a formation", hint=hint)
-    if case.fluid.formulation == "hermite" and case.fluid.added_mass == "eccentric":
-        raise refuse("fluid", "formulation", got="hermite", want="mixed with added_mass: eccentric")
     if case.fluid.surface_line is not None and not case.has_bore:
         want = "no surface_line without flow into the string"
         raise refuse("fluid", "surface_line", want=want)
-    if case.fluid.annulus_rheology is not None:
-        if not case.fluid.annulus:
-            raise refuse("fluid", "annulus_rheology", want="no annulus_rheology without an annulus")
-        if case.fluid.formulation == "hermite":
-            want = "formulation mixed with an annulus_rheology"
-            raise refuse("fluid", "formulation", got="hermite", want=want)
+    if case.fluid.annulus_rheology is not None and not case.fluid.annulus:
+        raise refuse("fluid", "annulus_rheology", want="no annulus_rheology without an annulus")
     for i, item in enumerate(case.string):
         if isinstance(item, Beam) and item.od is None:
             raise refuse("string", i, "od", want="an outer diameter (and id): the case has a fluid")
         if item.pressure_loss is None:
             continue
-        if case.fluid.formulation == "hermite":
-            want = "formulation mixed with a pressure_loss of a string item"
-            raise refuse("fluid", "formulation", got="hermite", want=want)
         if not case.has_bore:
             raise refuse("string", i, "pressure_loss", want="no pressure_loss without flow in the string")
         if item.pressure_loss.coefficient is not None and not item.id:
@@ -121,7 +80,6 @@ def _mud_sections(case: CaseBlocks) -> None:
 
 def _side_nozzles(case: CaseBlocks) -> None:
     """Raise if mud cannot flow through the nozzles of an item above the bit."""
-    fluid = case.given_fluid
     first = next(i for i, item in enumerate(case.string) if isinstance(item, Flexible))
     for i, _ in case.side_nozzles:
         item = case.string[i]
@@ -132,11 +90,6 @@ def _side_nozzles(case: CaseBlocks) -> None:
             raise refuse(*at, want="no nozzles in the side of the string's last item", hint=hint)
         if i < first:
             raise refuse(*at, want="a pipe above the item with nozzles: the flow there is given")
-        if fluid.formulation == "hermite":
-            hint = "only formulation: mixed has branches of the flow"
-            raise refuse(
-                "fluid", "formulation", got="hermite", want="mixed with nozzles above the bit", hint=hint
-            )
         if not case.has_bore:
             want = "no nozzles without mud in the string"
             raise refuse(*at, want=want)

@@ -15,9 +15,6 @@ def check_joints(case: CaseBlocks) -> None:
     """Raise if joints do not fit the string or the rest of the case."""
     end = case.string_length
     seen: dict[float, int] = {}
-    if case.all_joints and case.fluid is not None and case.fluid.formulation == "hermite":
-        want = "formulation mixed in a case with joints"
-        raise refuse("fluid", "formulation", got="hermite", want=want)
     _jars(case)
     for number, tool, slider in case.tools:
         for joint in case.joints:
@@ -26,10 +23,6 @@ def check_joints(case: CaseBlocks) -> None:
                 raise refuse("string", number, "joint_at", got=tool.joint_at, want=want)
     in_motors = {joint.at: number for number, joint in case.motor_joints}
     for i, joint in enumerate(case.joints):
-        if case.hold_string:
-            raise refuse(
-                "joints", i, got=joint.kind, want="no joints in a string that hold_string keeps still"
-            )
         if joint.at <= TOLERANCE:
             _joint_at_the_top(case, i)
         elif joint.at >= end - TOLERANCE:
@@ -86,10 +79,6 @@ def _jars(case: CaseBlocks) -> None:
     """Raise if the time integration does not locate the events of a jar."""
     if case.time is None or not any(isinstance(tool, Jar) for _, tool, _ in case.tools):
         return
-    if case.time.mode == "quasi_static":
-        raise refuse(
-            "time", "mode", got="quasi_static", want="dynamic with a jar: it fires within milliseconds"
-        )
     for key, allowed in (("ts_type", ("bdf", "alpha2", "genalpha")), ("snes_type", ("python",))):
         if case.petsc.get(key, allowed[0]) not in allowed:
             raise refuse("petsc", key, got=case.petsc[key], want=f"{' | '.join(allowed)} with a jar")

@@ -1,13 +1,8 @@
-"""Limits of this version: what the quaternion element does not support, and the largest mesh and output."""
+"""Limits of this version: commands without the quaternion element, and the largest mesh and output."""
 
 from __future__ import annotations
 
-from typing import Any
-
-from pydantic_core import PydanticCustomError
-
 from drillpetsc.case.blocks.case_blocks import CaseBlocks
-from drillpetsc.case.blocks.ends import DrivenTop
 from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import said
@@ -19,36 +14,6 @@ MAX_OUTPUTS = {
     "field_every": 10**6,
     "checkpoint_every": 10**6,
 }  # rows, snapshots and checkpoints of a run
-
-
-def check_quaternion(case: CaseBlocks) -> None:
-    """Raise on the first part of the case that the quaternion element does not support."""
-    if case.beam.formulation != "quaternion":
-        return
-    if case.hold_string:
-        raise _not_supported("hold_string", got=True, what="hold_string (there is no string to compute)")
-    if isinstance(case.top, DrivenTop):
-        raise _not_supported("top", "kind", got="driven", what="a driven top")
-    if case.top.motor is not None:
-        raise _not_supported("top", "motor", what="a motor of the top drive")
-    if case.top.hoist is not None:
-        raise _not_supported("top", "hoist", what="a hoist")
-    if getattr(case.top, "hinged", False):
-        raise _not_supported("top", "hinged", got=True, what="a hinged top drive")
-    if not getattr(case.top, "guided", True):
-        raise _not_supported("top", "guided", got=False, what="a top that moves across the hole")
-    for i, joint in enumerate(case.joints):
-        if joint.constraint == "stabilised":
-            raise refuse(
-                "joints",
-                i,
-                "constraint",
-                got="stabilised",
-                want="position: not with quaternion yet: joints with a constraint on velocities",
-                hint="take position, or beam.formulation ancf",
-            )
-    for number, tool, _ in case.tools:
-        raise _not_supported("string", number, "kind", got=tool.kind, what="telescoping tools")
 
 
 def refuse_quaternion(case: CaseBlocks, command: str) -> None:
@@ -63,15 +28,6 @@ def refuse_quaternion(case: CaseBlocks, command: str) -> None:
             want=f"ancf with {command}: not with quaternion yet",
             hint="the string is the same, in other unknowns",
         )
-
-
-def _not_supported(*at: str | int, got: Any = None, what: str) -> PydanticCustomError:
-    return refuse(
-        *at,
-        got=got,
-        want=f"not with quaternion yet: {what}",
-        hint="leave it out, or take beam.formulation ancf",
-    )
 
 
 def element_count(item: Flexible) -> int:

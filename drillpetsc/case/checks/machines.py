@@ -10,14 +10,8 @@ from drillpetsc.case.quantities import said
 
 
 def check_hoist(case: CaseBlocks) -> None:
-    """Raise CaseError if a hoist or an autodriller has nothing to move or to measure."""
-    drill, hoist = case.top.autodriller, case.top.hoist
-    if case.time is not None and case.time.mode == "quasi_static":
-        hint = "without inertia the drum's lowering moves the top itself"
-        if drill is not None:
-            raise refuse("top", "autodriller", want="no autodriller in a quasi-static run", hint=hint)
-        if hoist is not None and hoist.heave is not None:
-            raise refuse("top", "hoist", "heave", want="no heave in a quasi-static run", hint=hint)
+    """Raise CaseError if an autodriller has nothing to measure."""
+    drill = case.top.autodriller
     if drill is None:
         return
     if case.bottom.kind != "bit":
@@ -50,14 +44,6 @@ def check_motor(case: CaseBlocks) -> None:
         hint = "power sections on one shaft are one motor: stall_torque and no_load_pressure are their sums"
         want = f"one motor; string[{number}] is one"
         raise refuse("string", motors[1][0], "kind", got="pdm", want=want, hint=hint)
-    if case.hold_string:
-        raise refuse(*at, "kind", got="pdm", want="no motor in a string that hold_string keeps still")
-    if case.beam.formulation == "quaternion":
-        hint = "leave it out, or take beam.formulation ancf"
-        raise refuse(*at, "kind", got="pdm", want="not with quaternion yet: a downhole motor", hint=hint)
-    if case.time is not None and case.time.mode == "quasi_static":
-        hint = "mode: dynamic, because the law of a motor needs speeds; or kind: pipe with the same bend"
-        raise refuse(*at, "kind", got="pdm", want="no motor in a quasi-static run", hint=hint)
     if case.top.force is not None and case.initial.wob is not None:
         hint = "leave wob out, because the top force sets the weight on bit; or prescribe the top's position"
         raise refuse(
@@ -74,8 +60,6 @@ def check_motor(case: CaseBlocks) -> None:
     if item.pressure_loss is not None:
         hint = "the law of the motor has its pressure"
         raise refuse(*at, "pressure_loss", got="a loss", want="no pressure_loss of a motor", hint=hint)
-    if case.fluid.formulation == "hermite":
-        raise refuse("fluid", "formulation", got="hermite", want="mixed with a downhole motor")
     if not case.has_bore or item.id == 0:
         raise refuse(
             *at, "kind", got="pdm", want="mud in the bore of the motor: an id, and an open lower end"
@@ -84,14 +68,6 @@ def check_motor(case: CaseBlocks) -> None:
 
 def _check_agitator(case: CaseBlocks, number: int, item: AgitatorTool) -> None:
     """Raise if the agitator ``item``, with the given ``number``, does not fit the rest of the case."""
-    if case.hold_string and case.fluid is not None:
-        want = "no agitator in a string that hold_string keeps still"
-        raise refuse("string", number, "kind", got="agitator", want=want)
-    if case.time is not None and case.time.mode == "quasi_static":
-        hint = "pulses need inertia: mode: dynamic"
-        raise refuse(
-            "string", number, "kind", got="agitator", want="no agitator in a quasi-static run", hint=hint
-        )
     if case.fluid is None:
         return
     at = ("string", number)
@@ -100,8 +76,6 @@ def _check_agitator(case: CaseBlocks, number: int, item: AgitatorTool) -> None:
         raise refuse(
             *at, "agitator", "flow_rate", got="a flow rate", want="no flow_rate with a fluid", hint=hint
         )
-    if case.fluid.formulation == "hermite":
-        raise refuse("fluid", "formulation", got="hermite", want="mixed with an agitator")
     if not case.has_bore or item.id == 0:
         want = "mud in the bore of the agitator: an id, and an open lower end"
         raise refuse(*at, "kind", got="agitator", want=want)
@@ -123,8 +97,6 @@ def check_steering(case: CaseBlocks) -> None:
             hint="tool face, steering inputs and columns serve one tool; use loads for a second, constant side force",
         )
     for number in tools:
-        if case.hold_string:
-            raise refuse("string", number, "kind", got="rss", want="no steerable tool with hold_string")
         above, below = case.item_depths[number]
         for i, joint in enumerate(case.joints):
             if above + TOLERANCE < joint.at < below - TOLERANCE:

@@ -112,7 +112,7 @@ def _from_dial(value: Mapping[str, Any]) -> dict[str, Any]:
         raise refuse("model", got=model, want=f"one of {', '.join(FITTED)} with dial readings")
     if model == "herschel_bulkley" and len(dial) < 3:
         raise refuse("dial", got=f"{len(dial)} readings", want="at least 3 readings for herschel_bulkley")
-    constants = _by_rules(model, dial) if fit == "api" else least_squares(model, dial)
+    constants = by_rules(model, dial) if fit == "api" else least_squares(model, dial)
     out = {key: part for key, part in value.items() if key not in ("dial", "fit")}
     numbers = dict(zip(FITTED[model], map(InSI, constants), strict=True))
     return out | {"model": model, "dial": dial, "fit": fit} | numbers
@@ -126,7 +126,7 @@ def _needed(dial: Mapping[str, float], *speeds: str) -> list[float]:
     return [dial[speed] for speed in speeds]
 
 
-def _by_rules(model: str, dial: Mapping[str, float]) -> tuple[float, ...]:
+def by_rules(model: str, dial: Mapping[str, float]) -> tuple[float, ...]:
     """Constants by the rules of API RP 13D (third edition 1995, fifth edition 2006 for the yield stress).
 
     power_law: n = 3.32 log10(R600/R300), K = 5.11 R600/1022^n [dyn s^n/cm2].

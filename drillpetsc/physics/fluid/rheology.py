@@ -200,28 +200,6 @@ def pressure_gradient(
     return 4.0 * wall_shear(law, speed, diameter, annulus, density) / np.asarray(diameter, dtype=float)
 
 
-@dataclass(frozen=True)
-class DialConstants:
-    """Power-law constants in pipe and annulus: index [-], consistency [Pa s^n]."""
-
-    pipe_index: float
-    pipe_consistency: float
-    annulus_index: float
-    annulus_consistency: float
-
-
-def from_dial_readings(R600: float, R300: float, R100: float, R3: float) -> DialConstants:
-    """Compute power-law constants from dial readings [deg] of a rotational viscometer at 600, 300, 100 and 3 rpm.
-
-    API RP 13D, third edition, 1995: n_p = 3.32 log10(R600/R300), K_p = 5.11 R600/1022^n_p, n_a = 0.657
-    log10(R100/R3), K_a = 5.11 R100/170.2^n_a, K in dyn s^n/cm2 = 0.1 Pa s^n.
-    """
-    n_p, n_a = 3.32 * np.log10(R600 / R300), 0.657 * np.log10(R100 / R3)
-    return DialConstants(
-        float(n_p), float(0.511 * R600 / 1022**n_p), float(n_a), float(0.511 * R100 / 170.2**n_a)
-    )
-
-
 def eccentricity_factor(
     eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
 ) -> Array:

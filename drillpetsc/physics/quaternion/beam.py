@@ -25,7 +25,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import Parameters, structure
-from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, results_of_cells
+from drillpetsc.physics.beam import ENERGIES, POSITION_SCALE, results_of_cells, section_parameters
 from drillpetsc.physics.interfaces import Beam
 from drillpetsc.physics.rigid_bodies import local_vertices
 
@@ -188,21 +188,9 @@ class QuaternionBeam(Beam):
         return (*self._elements, self._length)
 
     def _params(self, e: np.ndarray) -> FloatArray:
-        m = self.mesh
+        sections, curvature = section_parameters(self.mesh, e), self.mesh.curvature[e]
         return Parameters(
-            "quaternion_beam",
-            len(e),
-            length=m.length[e],
-            ea=m.axial_stiffness[e],
-            ei=m.bending_stiffness[e],
-            gj=m.torsional_stiffness[e],
-            mass=m.mass[e],
-            polar=m.polar_inertia[e],
-            beta=m.stiffness_damping[e],
-            alpha=m.mass_damping[e],
-            curvature=m.curvature[e],
-            gravity=self.gravity,
-            rigid=m.rigid_above[e],
+            "quaternion_beam", len(e), curvature=curvature, gravity=self.gravity, **sections
         ).array
 
     def translate(self, block: ElementBlock) -> ElementBlock:

@@ -13,8 +13,7 @@ from petsc4py import PETSc
 
 from drillpetsc import petsc_compat
 from drillpetsc.arrays import FloatArray
-from drillpetsc.errors import OptionError, SolveError
-from drillpetsc.kernels.denormals import flushed_denormals
+from drillpetsc.errors import OptionError
 from drillpetsc.parallel import total
 from drillpetsc.solvers.time.alpha_formula import (
     ARRAYS,
@@ -24,19 +23,14 @@ from drillpetsc.solvers.time.alpha_formula import (
     ControlledUnknowns,
     radius_of,
 )
-from drillpetsc.solvers.time.bdf_history import BdfHistory, local, nodal
+from drillpetsc.solvers.time.bdf_history import local, nodal
 from drillpetsc.solvers.time.consistent_start import ConsistentStart
 from drillpetsc.solvers.time.local_error import OutputErrors
-from drillpetsc.solvers.time.newton import CondensedNewton
-from drillpetsc.solvers.time.newton_work import SHARE, ResidualWork
 from drillpetsc.solvers.time.time_integrator import (
-    CONSECUTIVE_FAILURES,
-    CONSTRAINT_TOLERANCE_FACTOR,
+    CURE,
     END_TOLERANCE,
     EVENT_STEP,
     SHORTEST_STEP,
-    TOLERANCE,
-    Counters,
     TimeIntegrator,
 )
 
@@ -50,7 +44,6 @@ SMALLEST_ERROR = 1e-6  # smaller ones do not let the step grow faster
 STRETCH = 1e-3  # the last step may be longer by this fraction instead of being split
 #: steps are counted in classes of a quarter of an octave, the first one of 2^-40 s
 CLASSES_PER_OCTAVE, FIRST_OCTAVE, CLASSES = 4, -40, 4 * 64
-REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
 
 
 class GeneralizedAlpha(TimeIntegrator):
@@ -59,79 +52,56 @@ class GeneralizedAlpha(TimeIntegrator):
     Raises OptionError for options that have no meaning here.
     """
 
+    own_defaults = {"ts_type": NAMES[0], "ts_adapt_type": "basic", "ts_adapt_clip": "0.2,2.0"}
+    condensed_kinds = NAMES
+
     def __post_init__(self) -> None:
-        options = PETSc.Options()
-        petsc_compat.rename_time_step(options)
-        self.user_options = dict(options.getAll())
-        given = set(self.user_options)
-        rejections, first = petsc_compat.max_rejections_option(), petsc_compat.time_step_option()
-        defaults = {
-            "ts_type": NAMES[0],
-            "ts_adapt_type": "basic",
-            "ts_adapt_clip": "0.2,2.0",
-            rejections: 60,
-            **self.defaults,
-        }
-        for key, value in defaults.items():
-            if key not in given:
-                options.setValue(key, value)
-        _refuse(options)
+        super().__post_init__()
+        self.options["ts_alpha_radius"] = repr(self.formula.radius)
+
+    def _refuse(self, options: PETSc.Options) -> None:
+        kind = options.getString("ts_adapt_type", "basic")
+        if kind not in ("basic", "none"):
+            raise OptionError(at="petsc.ts_adapt_type", got=kind, want="basic | none with generalised-alpha")
+        order = options.getInt("ts_bdf_order", 2)
+        if order != 2:
+            raise OptionError(
+                at="petsc.ts_bdf_order", got=str(order), want="2, the order of generalised-alpha"
+            )
+        if options.getString("snes_type", "python") != "python":
+            raise OptionError(
+                at="petsc.snes_type",
+                got=options.getString("snes_type"),
+                want="no snes_type: generalised-alpha uses the condensed Newton method",
+                hint="-q_snes_type selects its solver",
+            )
+
+    def _make(self, options: PETSc.Options) -> None:
+        """Create the formula and its step control."""
+        system, layout = self.system, self.system.layout
+        if self.cure == CURE:
+            self.cure = CURE.replace("-ts_rtol", "-ts_rtol or -ts_alpha_radius")
         self.formula = _formula(options)
-        self.first_step = options.getReal(first, self.first_step)
-        self._fixed = options.getString("ts_adapt_type", "basic") == "none"
-        self.tolerance = options.getReal("ts_rtol", TOLERANCE)
         self.longest = options.getReal("ts_adapt_dt_max", np.inf)
         self.shortest = options.getReal("ts_adapt_dt_min", 0.0)
         self.safety = options.getReal("ts_adapt_safety", SAFETY)
         low, high = options.getString("ts_adapt_clip", "0.2,2.0").split(",")
         self.clip = float(low), float(high)
-        self.max_rejections = options.getInt(rejections, 60)
-        self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)
-        self.condensed, self.is_bdf, self.keeps_history, self.order = True, False, True, 2
-        self.counters, self.last_step, self.fresh, self.stopped = Counters(), 0.0, True, False
-        self._consecutive_failures, self._steps_over_jump, self._step_number = 0, 0, 0
-        self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
-        self._mud_masked, self._next_step, self._earlier_error = False, 0.0, 1.0
-        self._restored: dict[str, FloatArray] | None = None
-        self._frozen: list[float] | None = None
-        self.history, self.estimate = BdfHistory(0), None
-        system = self.system
-        self.state = system.new_state()
-        self.work: ResidualWork | None = None
-        if self.inertia:
-            share = options.getReal("drillpetsc_newton_work", SHARE)
-            self.work = ResidualWork(system, share) if share > 0 else None
-        factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
-        self.newton = CondensedNewton(system, tolerance=0.02 * self.tolerance * factor, work=self.work)
+        self.max_rejections = options.getInt(petsc_compat.max_rejections_option(), 60)
+        self._earlier_error = 1.0
         self.begin = ConsistentStart(self.newton)
-        self._eventful = [c for c in system.components if c.has_events]
-        self._restoring = [c for c in system.components if c.restores_constraints]
-        layout = system.layout
         two = np.array([f.second_order for f in layout.fields])[layout.field_of]
         self.alpha = AlphaHistory(self.formula, two)
-        self._tolerances = self._row_tolerances()
+        self._tolerances = {}  # of the unknowns with error control, by whether the mud has none
+        for masked in (False, True):
+            rows = layout.local_of_owned[self._is_controlled(fluid=not masked)]
+            self._tolerances[masked] = ControlledUnknowns(rows, self.tolerance * system.scale[rows])
         self._monitored = options.hasName("ts_monitor") and system.comm.rank == 0
         self._step_time = np.zeros((2, CLASSES))  # sums of h [s] and of h^2 by class
-        self._rows = system.new_state().getSize()  # PETSc's norm divides by all rows of the state
-        self.options = dict(options.getAll())
-        self.options["ts_alpha_radius"] = repr(self.formula.radius)
-        for key in set(self.options) - given:
-            options.delValue(key)
+        self._rows = self.state.getSize()  # PETSc's norm divides by all rows of the state
 
-    def _row_tolerances(self) -> dict[bool, ControlledUnknowns]:
-        """Owned unknowns with error control; by whether the mud has none."""
-        layout, owned = self.system.layout, self.system.layout.local_of_owned
-        found = {}
-        for masked in (False, True):
-            judged = np.array(
-                [
-                    f.differential and self.controlled(f) and (not masked or f.physics == "string")
-                    for f in layout.fields
-                ]
-            )
-            rows = owned[judged[layout.field_of[owned]]]
-            found[masked] = ControlledUnknowns(rows, self.tolerance * self.system.scale[rows])
-        return found
+    def _set_tolerances(self, jumped: bool) -> None:
+        self._mud_masked = jumped
 
     @property
     def next_step(self) -> float:
@@ -166,12 +136,16 @@ class GeneralizedAlpha(TimeIntegrator):
         squares = float(shares.dot(shares))
         return sqrt(total(self.system.comm, squares) / self._rows)
 
-    def _step(self, t: float, h: float, stop: float) -> tuple[float, float]:
-        """Take one step from ``t`` [s], of about ``h`` [s], not beyond ``stop`` [s].
+    def _advance(self, t: float) -> float:
+        while self._stop - t > END_TOLERANCE * max(1.0, abs(self._stop)):
+            t = self._step(t, self._next_step)
+            if self.stopped:
+                break
+        return t
 
-        Returns the time reached and the length of the next step [s].
-        """
-        rejected = 0
+    def _step(self, t: float, h: float) -> float:
+        """Take one step from ``t`` [s], of about ``h`` [s], not beyond the next stop; return the time reached [s]."""
+        rejected, stop = 0, self._stop
         if self._frozen is not None:
             h = self._frozen_step()
         while True:
@@ -220,62 +194,32 @@ class GeneralizedAlpha(TimeIntegrator):
         self._next_step = min(self.longest, h * factor)
         if self._fixed:
             self._next_step = min(self.first_step, 2 * h) if rejected else self.first_step
-        self._finish(end)
-        return end, self._next_step
+        self.last_step, self._last = end - self._last, end
+        self.counters.steps += 1
+        self._step_number += 1
+        self._finish(self.last_step)
+        return end
 
     def _after_failure(self, reason: int, t: float, h: float) -> float:
         """Return the step [s] after one of ``h`` [s] in which Newton failed."""
-        self._consecutive_failures += 1
         self.counters.rejected += 1
         self._load()
         self._last = t
-        if self._consecutive_failures > CONSECUTIVE_FAILURES or h < SHORTEST_STEP:
-            raise self.failure(
-                f"Newton's method failed {self._consecutive_failures} times in a row, at last with a step of {h:.2g} s"
-            )
+        self._count_failure(reason, h)
         return FAILURE_FACTOR * h
 
-    def _finish(self, t: float) -> None:
-        """Finish an accepted step: callbacks, reference frames (manual: sec-time-update)."""
-        dt = self.last_step = t - self._last
-        self._last = t
-        self.counters.steps += 1
-        self._step_number += 1
+    def _finish(self, dt: float) -> None:
         k = int((log2(dt) - FIRST_OCTAVE) * CLASSES_PER_OCTAVE)
         k = min(max(k, 0), CLASSES - 1)
         self._step_time[0, k] += dt
         self._step_time[1, k] += dt * dt
         if self._monitored:
-            print(f"{self.counters.steps} TS dt {dt:g} time {t:g}", flush=True)
-        if self.follower is not None:
-            self.follower.step(t)
-        self.system.accept(t)
-        with self.system.assembly.unchanged():  # results of the step are shared by all that follows
-            for call in self.after_step:
-                call(t, dt)
-            # last, since it uses the results that the others have computed
-            if self.work is not None:
-                rows, over_jump = self.newton.arrays[1], self._steps_over_jump > 0
-                self.work.after_step(t, dt, rows, self.input_time(t), over_jump)
-            # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
-            if self.step_limit is not None and not self._fixed:
-                self._next_step = self.step_limit(self._next_step)
-        self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
-        # after the jump the mud has error control again
-        self._mud_masked = self._mud_masked and self._steps_over_jump > 0
-        n = self.system.layout.size
-        if self._eventful and self._change_laws(t):
-            pass
-        elif self._step_number % REFRAME_INTERVAL == 0:
-            earlier = self.system.assembly.reference.copy()
-            if self.system.renew_reference_frames():
-                self._reframe(earlier)
-        self.alpha.arrays["x"][:] = self.system.assembly.x[:n]  # a hole that grows after a step
-        for finish in self.on_step_end:
-            finish(t)
+            print(f"{self.counters.steps} TS dt {dt:g} time {self._last:g}", flush=True)
+        super()._finish(dt)
 
-    def _set_frozen_tolerances(self) -> None:
-        """``TimeIntegrator.freeze``: fixed steps have no error control here."""
+    def _keep_step(self, restarted: bool) -> None:
+        # a hole that grows after a step
+        self.alpha.arrays["x"][:] = self.system.assembly.x[: self.system.layout.size]
 
     def _reframe(self, earlier: FloatArray) -> None:
         """Measure spin angles from new reference directions, after the ``earlier`` ones (nv, 3), and continue their formula."""
@@ -293,71 +237,26 @@ class GeneralizedAlpha(TimeIntegrator):
         self.newton.discard_factor()
         self.fresh = True
 
-    def failure(self, what: str) -> SolveError:
-        """Return the error that ends a run, with the place of the largest residual; collective."""
-        for call in self.on_failure:
-            call()
-        return SolveError(
-            what,
-            time=self._last,
-            hint="check the inputs at this time and place; a smaller -ts_rtol or -ts_alpha_radius, softer contact or "
-            "-q_snes_linesearch_type bt may help",
-            **self.system.locate_largest_residual(self._t),
-        )
-
     # ------------------------------------------------------------------ run
-    @flushed_denormals()
-    def run(self, start: float, end: float, breaks: tuple[float, ...] = (), resume: bool = False) -> None:
-        """Integrate from ``start`` to ``end`` [s]; collective.  See ``TimeIntegrator.run``."""
-        system = self.system
-        system.assembly.invalidate_prescribed_values()
-        if not resume:
-            system.accept(start)
-        near = END_TOLERANCE * max(1.0, abs(end))
-        stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
-        jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
-        stops = self._with_samples(start, end, near, stops)
-        self._last = start
-        if self.work is not None:
-            self.work.start(start)
-        at_break = any(abs(b - start) <= near for b in breaks)
+    def _begin(self, t: float, first: bool, at_break: bool, at_sample: bool) -> None:
         if self._restored is not None:
             self._restore(self._restored, at_break)
-            resume, self._restored = True, None
-        t, first = start, not resume
-        for stop in stops:
-            if at_break:
-                self._change_states(t)
-            self._stop, self._jump = stop, stop if stop in jumps else np.inf
-            if first or at_break:
-                self._sample(t, near)
-                self._start_formula(t, keep_step=not first)
-            elif self._is_sample(t, near):
+            first, self._restored = False, None
+        if not first and not at_break:
+            if at_sample:
                 self._let_forces_jump(t)
-            first, at_break = False, stop in jumps
-            while stop - t > END_TOLERANCE * max(1.0, abs(stop)):
-                t, h = self._step(t, self._next_step, stop)
-                if self.stopped:
-                    return
-
-    def _start_formula(self, t: float, keep_step: bool = False) -> None:
-        """Start the formula at the assembly's state, with accelerations from the equations; collective.
-
-        keep_step: begin with the last step, if no prescribed velocity jumps.
-        """
-        jump = self._rates_jump(t)
-        if jump:
-            self.newton.discard_factor()
-            # the flow relative to the pipe jumps as well: the mud's error control would reject every step
-            self._steps_over_jump, self._mud_masked = 1, True
-            for call in self.at_jump:
-                call(t)
-            # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
+            return
+        if at_sample and self.sampler is not None:
+            self.sampler(t)
+        jump = self._jump_rates(t, 1)
+        if (
+            jump
+        ):  # free velocities change by the impulse of the prescribed ones (manual: sec-time-alpha-start)
             self.begin.jump(t)
         self._begin_formula(t)
         if self.follower is not None:
             self.follower.start(t, jump)
-        if self._fixed or jump or not keep_step:
+        if self._fixed or jump or first:
             self._next_step = self.first_step
 
     def _begin_formula(self, t: float) -> None:
@@ -492,23 +391,6 @@ def integrator_class() -> type[TimeIntegrator]:
 def selected() -> bool:
     """Whether -ts_type selects generalised-alpha."""
     return PETSc.Options().getString("ts_type", "bdf") in NAMES
-
-
-def _refuse(options: PETSc.Options) -> None:
-    """Raise OptionError for options that this integrator cannot follow."""
-    kind = options.getString("ts_adapt_type", "basic")
-    if kind not in ("basic", "none"):
-        raise OptionError(at="petsc.ts_adapt_type", got=kind, want="basic | none with generalised-alpha")
-    order = options.getInt("ts_bdf_order", 2)
-    if order != 2:
-        raise OptionError(at="petsc.ts_bdf_order", got=str(order), want="2, the order of generalised-alpha")
-    if options.getString("snes_type", "python") != "python":
-        raise OptionError(
-            at="petsc.snes_type",
-            got=options.getString("snes_type"),
-            want="no snes_type: generalised-alpha uses the condensed Newton method",
-            hint="-q_snes_type selects its solver",
-        )
 
 
 def _formula(options: PETSc.Options) -> AlphaFormula:

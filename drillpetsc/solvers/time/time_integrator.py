@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from petsc4py import PETSc
@@ -45,6 +45,7 @@ CONSECUTIVE_FAILURES = 25
 #: factor of Newton's tolerance with multipliers, whose constraint errors are a misfit of the parts
 CONSTRAINT_TOLERANCE_FACTOR = 1.0e-3
 END_TOLERANCE = 1.0e-11  # a run has ended within this fraction of the time
+REFRAME_INTERVAL = 4  # steps between two checks of the reference directions
 EVENT_STEP = 1.0e-6  # longest step over an event, by which it is located in time [s]
 SHORTEST_STEP = 1.0e-11  # a step of this length that fails would fail at any length [s]
 
@@ -129,67 +130,42 @@ class TimeIntegrator:
     step_limit: Callable[[float], float] | None = None
     follower: Follower | None = None
 
+    own_defaults: ClassVar[dict[str, Any]] = DEFAULTS
+    condensed_kinds: ClassVar[tuple[str, ...]] = ("bdf",)
+
     def __post_init__(self) -> None:
-        options = PETSc.Options()
+        options, system = PETSc.Options(), self.system
         petsc_compat.rename_time_step(options)
-        given = set(options.getAll())
         self.user_options = dict(options.getAll())
-        for key, value in {**DEFAULTS, petsc_compat.max_rejections_option(): 60, **self.defaults}.items():
+        given, rejections = set(self.user_options), petsc_compat.max_rejections_option()
+        for key, value in {**self.own_defaults, rejections: 60, **self.defaults}.items():
             if key not in given:
                 options.setValue(key, value)
         self.first_step = options.getReal(petsc_compat.time_step_option(), self.first_step)
-        self._fixed = options.getString("ts_adapt_type", "basic") == "none"
-        self.tolerance = options.getReal("ts_rtol", TOLERANCE)
-        self.condensed = (
-            options.getString("ts_type", "bdf") == "bdf"
-            and options.getString("snes_type", "python") == "python"
-        )
-        self.is_bdf = options.getString("ts_type", "bdf") == "bdf"
-        refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
+        adaption, kind = options.getString("ts_adapt_type", "basic"), options.getString("ts_type", "bdf")
+        self._fixed, self.tolerance = adaption == "none", options.getReal("ts_rtol", TOLERANCE)
+        self.is_bdf, python = kind == "bdf", options.getString("snes_type", "python") == "python"
+        self.condensed = kind in self.condensed_kinds and python
+        self._refuse(options)
         # _steps_over_jump: number of coming steps whose formula reaches over a jump
-        self.counters, self._consecutive_failures, self.last_step, self._steps_over_jump = (
-            Counters(),
-            0,
-            0.0,
-            0,
-        )
+        self.counters, self.last_step, self.fresh, self.stopped = Counters(), 0.0, True, False
+        self._consecutive_failures, self._steps_over_jump, self._step_number = 0, 0, 0
         self.max_steps = options.getInt("ts_max_steps", 2**31 - 1)  # the caller of ``run`` ends it
-        self.order, self.fresh = options.getInt("ts_bdf_order", 2), True
-        self._frozen: list[float] | None = None
+        self.order = options.getInt("ts_bdf_order", 2)
         self._last, self._t, self._jump, self._stop = 0.0, 0.0, np.inf, np.inf
-        self._eventful = [c for c in self.system.components if c.has_events]
+        # _requested_step: requested length of the last solved step [s]
+        self._mud_masked, self._requested_step, self._next_step = False, 0.0, 0.0
+        self._frozen: list[float] | None = None
+        self._restored: dict[str, FloatArray] | None = None
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
         # runs
-        self.keeps_history = self.condensed and options.getString("ts_adapt_type", "basic") in (
-            "basic",
-            "none",
-        )
-        # _step_number: steps in all; _requested_step: requested length of the last solved step [s]
-        self.history, self.stopped, self._step_number, self._requested_step, self._next_step = (
-            BdfHistory(self.order + 1),
-            False,
-            0,
-            0.0,
-            0.0,
-        )
-        self._restored: dict[str, FloatArray] | None = None
+        self.keeps_history = self.condensed and adaption in ("basic", "none")
+        self.history = BdfHistory(self.order + 1)
+        self._eventful = [c for c in system.components if c.has_events]
         self.work: ResidualWork | None = None  # limit of the work that Newton's residual leaves
         self.estimate: Any = None  # of the local errors: has get_state and set_state
-        self._make(options)
-        self.options = dict(options.getAll())  # in effect, defaults included
-        for key in set(self.options) - given:  # the next integrator in this process has other defaults
-            options.delValue(key)
-
-    def _make(self, options: PETSc.Options) -> None:
-        """Create the TS with its callbacks."""
-        system = self.system
         self.state = system.new_state()
-        self.ts = PETSc.TS().create(comm=system.comm)
-        self.ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
-        self._f = system.new_state()
         if self.condensed:
-            if not options.hasName("snes_type"):
-                options.setValue("snes_type", "python")
             factor = CONSTRAINT_TOLERANCE_FACTOR if system.multipliers else 1.0
             if self.inertia:
                 share = options.getReal("drillpetsc_newton_work", SHARE)
@@ -198,6 +174,24 @@ class TimeIntegrator:
             # these components restore their constraints within the solve: PETSc restarts the formula where a
             # solution changes after the step
             self._restoring = [c for c in system.components if c.restores_constraints]
+        self._make(options)
+        self.options = dict(options.getAll())  # in effect, defaults included
+        for key in set(self.options) - given:  # the next integrator in this process has other defaults
+            options.delValue(key)
+
+    def _refuse(self, options: PETSc.Options) -> None:
+        """Raise OptionError for options that this integrator cannot follow."""
+        refuse_integrator(options.getString("ts_type", "bdf"), self.system.constrained)
+
+    def _make(self, options: PETSc.Options) -> None:
+        """Create the TS with its callbacks."""
+        system = self.system
+        self.ts = PETSc.TS().create(comm=system.comm)
+        self.ts.setProblemType(PETSc.TS.ProblemType.NONLINEAR)
+        self._f = system.new_state()
+        if self.condensed:
+            if not options.hasName("snes_type"):
+                options.setValue("snes_type", "python")
             matrix = PETSc.Mat().createPython(
                 (self.state.getSizes(), self.state.getSizes()), context=self, comm=system.comm
             )
@@ -228,6 +222,7 @@ class TimeIntegrator:
         self._zero = system.new_state()
         self._set_tolerances(False)
         self.ts.setPostStep(self._post_step)
+        self.ts.setMaxSteps(2**31 - 1)
 
     def _set_tolerances(self, jumped: bool) -> None:
         """Set the tolerances of the error control; after a jump without tolerances for the mud.
@@ -248,25 +243,23 @@ class TimeIntegrator:
         the mud.
         """
         layout, vector = self.system.layout, self.system.new_state()
-        if self._frozen is not None:
-            vector.set(MASKED)
-            return vector
-        controlled = np.array(
-            [
-                f.differential and self.controlled(f) and (fluid or f.physics == "string")
-                for f in layout.fields
-            ]
-        )
-        # errors of rates and multipliers follow from the other unknowns; under control, multipliers would reject every step
-        # (manual: sec-time-error)
-        differential = controlled[layout.field_of[layout.local_of_owned]]
         values = vector.getArray()
         values[:] = MASKED
-        values[layout.x_owned] = np.where(
-            differential, self.tolerance * self.system.scale[layout.local_of_owned], MASKED
-        )
+        if self._frozen is None:
+            scale = self.tolerance * self.system.scale[layout.local_of_owned]
+            values[layout.x_owned] = np.where(self._is_controlled(fluid), scale, MASKED)
         vector.assemble()
         return vector
+
+    def _is_controlled(self, fluid: bool) -> np.ndarray:
+        """Whether each owned unknown has error control; fluid: also those of the mud."""
+        # errors of rates and multipliers follow from the other unknowns; under control, multipliers would reject every step
+        # (manual: sec-time-error)
+        layout = self.system.layout
+        controlled = [
+            f.differential and self.controlled(f) and (fluid or f.physics == "string") for f in layout.fields
+        ]
+        return np.array(controlled)[layout.field_of[layout.local_of_owned]]
 
     @property
     def next_step(self) -> float:
@@ -320,13 +313,15 @@ class TimeIntegrator:
             self.history.add_stage(self.system.assembly.x, self.system.assembly.y)
             if self.follower is not None and self.fresh:
                 self.follower.stage(self._stage, self.ts.getTimeStep())
+        self._count_failure(reason, self.ts.getTimeStep())
+
+    def _count_failure(self, reason: int, step: float) -> None:
+        """Count a solve of a ``step`` [s] that did not converge, and raise SolveError after too many in a row."""
         self._consecutive_failures = self._consecutive_failures + 1 if reason < 0 else 0
-        if self._consecutive_failures > CONSECUTIVE_FAILURES or (
-            reason < 0 and self.ts.getTimeStep() < SHORTEST_STEP
-        ):
+        if self._consecutive_failures > CONSECUTIVE_FAILURES or (reason < 0 and step < SHORTEST_STEP):
             raise self.failure(
                 f"Newton's method failed {self._consecutive_failures} times in a row ({_reason(reason, PETSc.SNES)}), "
-                f"at last with a step of {self.ts.getTimeStep():.2g} s"
+                f"at last with a step of {step:.2g} s"
             )
 
     def _events(self) -> list[tuple[Component, FloatArray]]:
@@ -355,22 +350,14 @@ class TimeIntegrator:
 
     def _restart_after_event(self, t: float) -> None:
         """Restart the formula after a law has changed at ``t`` [s]."""
-        asm = self.system.assembly
-        self._discard_factor()
-        self.ts.restartStep()
-        self.fresh = True
-        self.history.start(t, asm.x, asm.y)
+        self._restart(t)
         self.ts.setTimeStep(max(min(self.first_step, self._stop - t), SHORTEST_STEP))
 
     def freeze(self, steps: FloatArray) -> None:
         """Take these ``steps`` [s] from the start on, without step control; they end at every stop of the run."""
         self._frozen, self._fixed = list(map(float, steps)), True
         self.first_step = self._frozen[0]
-        self._set_frozen_tolerances()
-
-    def _set_frozen_tolerances(self) -> None:
-        """Reject no step."""
-        self._set_tolerances(False)
+        self._set_tolerances(False)  # which reject no step
 
     def _frozen_step(self) -> float:
         """Length of the next step of ``freeze`` [s]."""
@@ -388,7 +375,7 @@ class TimeIntegrator:
         )
         return SolveError(
             what,
-            time=self.ts.getTime(),
+            time=self._last,
             hint=self.cure,
             **place,
         )
@@ -452,36 +439,57 @@ class TimeIntegrator:
             )
         if self._frozen is not None:
             ts.setTimeStep(self._frozen_step())
-        if self.follower is not None:
-            self.follower.step(self._last)
-        self.system.accept(self._last)
-        with self.system.assembly.unchanged():  # results of the step are shared by all that follows
-            for call in self.after_step:
-                call(self._last, dt)
-            # last, since it uses the results that the others have computed
-            if self.work is not None:
-                rows, over_jump = self.newton.arrays[1], self._steps_over_jump > 0
-                self.work.after_step(self._last, dt, rows, self.input_time(self._last), over_jump)
-        self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
-        if self._mud_masked and not self._steps_over_jump:
-            self._set_tolerances(False)
-        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity; the
-        # formula then restarts (manual: eq-beam-update-criterion)
-        asm = self.system.assembly
-        if self._eventful and self._change_laws(self._last):
-            pass
-        elif self._step_number % 4 == 0 and self.system.renew_reference_frames():
-            self.system.store_state(ts.getSolution())
-            self._discard_factor()
-            ts.restartStep()
-            self.fresh = True
-            self.history.start(self._last, asm.x, asm.y)
-        elif self.keeps_history:
-            self.history.add_step(self._last, self._requested_step, asm.x, asm.y)
-        for finish in self.on_step_end:
-            finish(self._last)
+        self._finish(dt)
         if self.stopped:
             ts.setConvergedReason(PETSc.TS.ConvergedReason.CONVERGED_USER)
+
+    def _finish(self, dt: float) -> None:
+        """Finish an accepted step of ``dt`` [s]: callbacks, reference frames (manual: sec-time-update)."""
+        t, asm = self._last, self.system.assembly
+        if self.follower is not None:
+            self.follower.step(t)
+        self.system.accept(t)
+        with asm.unchanged():  # results of the step are shared by all that follows
+            for call in self.after_step:
+                call(t, dt)
+            # last, since it uses the results that the others have computed
+            if self.work is not None:
+                self.work.after_step(t, dt, self.newton.arrays[1], self.input_time(t), self.jumped)
+            # the limit by whirl is for the contacts of the accepted state (manual: sec-time-choice)
+            if self.step_limit is not None and not self._fixed:
+                self._next_step = self.step_limit(self._next_step)
+        self._steps_over_jump, self.fresh = max(0, self._steps_over_jump - 1), False
+        if self._mud_masked and not self._steps_over_jump:  # the mud has error control again
+            self._set_tolerances(False)
+        changed = bool(self._eventful) and self._change_laws(t)
+        # a tangent far from its reference direction gets a new one, 60 degrees before the singularity
+        # (manual: eq-beam-update-criterion)
+        if not changed and self._step_number % REFRAME_INTERVAL == 0:
+            earlier = asm.reference.copy()
+            changed = self.system.renew_reference_frames()
+            if changed:
+                self._reframe(earlier)
+        self._keep_step(changed)
+        for finish in self.on_step_end:
+            finish(t)
+
+    def _reframe(self, earlier: FloatArray) -> None:
+        """Go on with new reference directions, after the ``earlier`` ones (nv, 3): the formula restarts."""
+        self.system.store_state(self.ts.getSolution())
+        self._restart(self._last)
+
+    def _restart(self, t: float) -> None:
+        """Restart the formula at ``t`` [s], without its history."""
+        self._discard_factor()
+        self.ts.restartStep()
+        self.fresh = True
+        self.history.start(t, self.system.assembly.x, self.system.assembly.y)
+
+    def _keep_step(self, restarted: bool) -> None:
+        """Record an accepted step, unless the formula has restarted after it."""
+        if self.keeps_history and not restarted:
+            asm = self.system.assembly
+            self.history.add_step(self._last, self._requested_step, asm.x, asm.y)
 
     @property
     def jumped(self) -> bool:
@@ -509,49 +517,53 @@ class TimeIntegrator:
 
         Raises SolveError if no step can be taken.  The assembly then contains the last accepted state.
         """
-        system, ts = self.system, self.ts
-        system.assembly.invalidate_prescribed_values()
+        self.system.assembly.invalidate_prescribed_values()
         if not resume:
-            system.accept(start)
-            system.store_state(self.state)
+            self.system.accept(start)
+            self.system.store_state(self.state)
         # a break this near the start or the end coincides with it (0.1 + 0.2 and 0.3)
         near = END_TOLERANCE * max(1.0, abs(end))
         stops = sorted({b for b in breaks if start + near < b < end - near} | {end})
         jumps = {s for s in stops if any(abs(b - s) <= near for b in breaks)}
-        stops = self._with_samples(start, end, near, stops)
-        if not resume:
-            ts.setTime(start)
-            ts.setTimeStep(self.first_step)
-        ts.setMaxSteps(2**31 - 1)
-        self._last = start
+        self._last = t = start
         if self.work is not None:
             self.work.start(start)
-        continued = self._restored is not None and not any(abs(b - start) <= near for b in breaks)
-        begin, at_break = start, any(abs(b - start) <= near for b in breaks)
-        for stop in stops:
+        first, at_break = not resume, any(abs(b - start) <= near for b in breaks)
+        for stop in self._with_samples(start, end, near, stops):
             if at_break:
-                self._change_states(begin)
-            self._sample(begin, near)
+                self._change_states(t)
             self._stop, self._jump = stop, stop if stop in jumps else np.inf
-            if continued:
-                self._replay_history()
-            elif not resume or at_break:
-                self._restored = None
-                self._start_formula(stop)
-            if ts.getTime() != begin:  # by the remainder that was not integrated; it must not add up
-                ts.setTime(begin)
-            begin, at_break, continued, resume = stop, stop in jumps, False, True
-            ts.setMaxTime(stop)
-            rejected = ts.getStepRejections()
-            with petsc_compat.own_errors():
-                ts.solve(self.state)
-            if ts.getConvergedReason() < 0:
-                raise self.failure(
-                    f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}"
-                )
-            self.counters.rejected += ts.getStepRejections() - rejected
+            self._begin(t, first, at_break, self._is_sample(t, near))
+            first, at_break = False, stop in jumps
+            t = self._advance(t)
             if self.stopped:
                 return
+
+    def _begin(self, t: float, first: bool, at_break: bool, at_sample: bool) -> None:
+        """Begin the stretch of a run from ``t`` [s] to the next stop; first: of the run, without the history of an earlier one."""
+        if at_sample and self.sampler is not None:
+            self.sampler(t)
+        if first:
+            self.ts.setTime(t)
+        if self._restored is not None and not at_break:
+            self._replay_history()
+        elif first or at_break:
+            self._restored = None
+            self._start_formula()
+        if self.ts.getTime() != t:  # by the remainder that was not integrated; it must not add up
+            self.ts.setTime(t)
+
+    def _advance(self, t: float) -> float:
+        """Take steps from ``t`` [s] to the next stop, and return its time."""
+        ts = self.ts
+        ts.setMaxTime(self._stop)
+        rejected = ts.getStepRejections()
+        with petsc_compat.own_errors():
+            ts.solve(self.state)
+        if ts.getConvergedReason() < 0:
+            raise self.failure(f"the time integrator stopped: {_reason(ts.getConvergedReason(), PETSc.TS)}")
+        self.counters.rejected += ts.getStepRejections() - rejected
+        return self._stop
 
     def _with_samples(self, start: float, end: float, near: float, stops: list[float]) -> list[float]:
         """The ``stops``, and the samples between start and end [s] that do not coincide with one."""
@@ -562,11 +574,6 @@ class TimeIntegrator:
         samples = [k * period for k in range(first, last)]
         apart = [s for s in samples if s > start + near and all(abs(s - q) > near for q in stops)]
         return sorted({*stops, *apart})
-
-    def _sample(self, t: float, near: float) -> None:
-        """Call the sampler where ``t`` [s] is one of its times."""
-        if self.sampler is not None and self._is_sample(t, near):
-            self.sampler(t)
 
     def _is_sample(self, t: float, near: float) -> bool:
         if self.sampler is None:
@@ -584,26 +591,27 @@ class TimeIntegrator:
         if self.follower is not None:
             self.follower.change_states(t, changed)
 
-    def _start_formula(self, stop: float) -> None:
-        """Restart the formula without history, e.g. after a discontinuity.
-
-        ``stop``: time of the next break [s].
-        """
-        ts, asm = self.ts, self.system.assembly
-        self._discard_factor()
-        if self._rates_jump(ts.getTime()):
-            # the formulas of these steps reach back over the jump (manual: sec-time-jumps)
-            self._steps_over_jump = 1 + self.order
-            self._set_tolerances(True)
-            for call in self.at_jump:
-                call(ts.getTime())
-        ts.restartStep()
-        self.fresh = True
-        self.history.start(ts.getTime(), asm.x, asm.y)
+    def _start_formula(self) -> None:
+        """Restart the formula without history, e.g. after a discontinuity."""
+        ts, t = self.ts, self.ts.getTime()
+        # the formulas of these steps reach back over the jump (manual: sec-time-jumps)
+        self._jump_rates(t, 1 + self.order)
+        self._restart(t)
         step = self.first_step if self._frozen is None else self._frozen_step()
-        ts.setTimeStep(min(step, stop - ts.getTime()))
+        ts.setTimeStep(min(step, self._stop - t))
         if self.follower is not None:
-            self.follower.start(ts.getTime(), self.jumped)
+            self.follower.start(t, self.jumped)
+
+    def _jump_rates(self, t: float, reach: int) -> bool:
+        """Whether a prescribed velocity jumps at ``t`` [s]; the formula then spans the jump in ``reach`` steps; collective."""
+        self._discard_factor()
+        if not self._rates_jump(t):
+            return False
+        self._steps_over_jump = reach
+        self._set_tolerances(True)
+        for call in self.at_jump:
+            call(t)
+        return True
 
     def close(self) -> None:
         """Free the solvers and vectors of PETSc; the integrator cannot be used afterwards."""

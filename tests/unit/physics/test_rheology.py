@@ -6,17 +6,18 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.rheology import (
     Rheology,
     eccentricity_factor,
-    from_dial_readings,
     pressure_gradient,
     wall_shear,
     wall_shear_and_slope,
 )
 from tests.helpers.tables import each_row
 
+DIAL = {"600": 65.0, "300": 39.0, "100": 20.0, "3": 3.0}  # readings [deg] by speed [rpm]
 INCH, FOOT, GPM, PPG, PSI = 0.0254, 0.3048, 6.30902e-5, 119.8264, 6894.757  # m, m, m3/s, kg/m3, Pa
 CENTIPOISE, LB_PER_100_SQ_FT = 1e-3, 0.4788026  # Pa s, Pa
 PIPE, ANNULUS = (
@@ -57,9 +58,8 @@ def speed(gpm, outer, inner=0.0):
 def test_api_dial_readings():
     """Constants of R600/300/100/3 = 65/39/20/3, third edition of API RP 13D; in dyn s^n/cm2 they are 2.017
     and 6.336 (manual: verif-api-power-law)."""
-    d = from_dial_readings(65, 39, 20, 3)
-    found = [d.pipe_index, d.pipe_consistency, d.annulus_index, d.annulus_consistency]
-    assert found == pytest.approx([0.7365, 0.2017, 0.5413, 0.6336], rel=2e-4)
+    assert by_rules("power_law", DIAL) == pytest.approx((0.2017, 0.7365), rel=2e-4)
+    assert api_annulus(DIAL) == pytest.approx((0.6336, 0.5413), rel=2e-4)
 
 
 @each_row(
@@ -74,8 +74,7 @@ def test_api_dial_readings():
 def test_api_pressure_losses(outer, inner, length, loss):
     """17.66529 l/s of 1497.83 kg/m3 by the API law through drill pipe, collars and around both (manual:
     verif-api-power-law)."""
-    d = from_dial_readings(65, 39, 20, 3)
-    constants = (d.annulus_consistency, d.annulus_index) if inner else (d.pipe_consistency, d.pipe_index)
+    constants = api_annulus(DIAL) if inner else by_rules("power_law", DIAL)
     w = 17.66529e-3 / (np.pi / 4 * (outer**2 - inner**2))
     found = (
         pressure_gradient(Rheology.power_law(*constants, "api"), w, outer - inner, inner > 0, 1497.83)
@@ -117,8 +116,7 @@ def test_published_turbulent_power_law_in_pipe():
     3.78 in x 11400 ft: Re 6616, f 0.007126, 0.05837 psi/ft, 665 psi.  Their density and flow constants are
     rounded (0.3 %).
     """
-    d = from_dial_readings(65, 39, 20, 3)
-    fluid = Rheology.power_law(d.pipe_consistency, d.pipe_index, "api")
+    fluid = Rheology.power_law(*by_rules("power_law", DIAL), "api")
     w = speed(280, 3.78)
     loss = pressure_gradient(fluid, w, 3.78 * INCH, False, 12.5 * PPG)
     assert loss * FOOT / PSI == pytest.approx(0.05837, rel=3e-3)

@@ -218,12 +218,6 @@ class PositiveDisplacementMotor(ToolTube):
             )
         return self
 
-    def density(self) -> float | None:
-        """Density [kg/m3] that gives the tube the mass, None without one."""
-        if self.mass is None:
-            return None
-        return self.mass / (self.length * math.pi / 4 * (self.od**2 - self.id**2))
-
     def joint(self, top: float) -> Joint:
         """The joint of the motor, whose upper end is at measured depth ``top`` [m]."""
         return Joint.model_construct(kind="revolute", at=top + self.joint_at, axis=(1.0, 0.0, 0.0))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -55,12 +54,6 @@ class TelescopingTool(ToolTube):
             want = f"inside the item, {said(EDGE, 'length')} to {said(self.length - EDGE, 'length')} below its upper end"
             raise refuse("joint_at", got=self.joint_at, want=want)
         return self
-
-    def density(self) -> float | None:
-        """Density [kg/m3] that gives the tube the mass, None without one."""
-        if self.mass is None:
-            return None
-        return self.mass / (self.length * math.pi / 4 * (self.od**2 - self.id**2))
 
     def joint(self, top: float) -> Joint:
         """The slider of the tool, whose upper end is at measured depth ``top`` [m]."""
