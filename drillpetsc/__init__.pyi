@@ -1199,7 +1199,7 @@ class Inertia(PythonBlock):
 class Initial(PythonBlock):
     """The state at time 0.
 
-    from_: statics: the static equilibrium; rest: along the hole's axis, without strain from loads; straight: straight and without strain; or a run folder to continue from
+    from_: statics: the static equilibrium; rest: along the hole's axis, without strain from loads; straight: straight and without strain; or a run folder, whose end is the start; time begins at 0
     wob: weight on bit that the static start meets by the top's axial position [N]
     inclination: inclination of a string without a well [rad]
     azimuth: azimuth of a string without a well [rad]

@@ -157,12 +157,14 @@ class Start(Rest):
     freed_weight: weight on bit [N] once rotation has freed the friction of a sliding start; None if the start does not slide.
     libraries: (name, version of the checkpoint, version now) of libraries that have changed; empty at time 0.
     accepted: changes of the case were accepted at a restart.
+    found: rotation [rad/s] and lowering [m/s] of the top in the state of the other run that the case begins from; None without one.
     """
 
     fixed_step: float | None = None
     freed_weight: float | None = None
     libraries: Sequence[tuple[str, str, str]] = ()
     accepted: bool = False
+    found: tuple[float, float] | None = None
     impact: float = float("inf")
 
 

@@ -27,6 +27,8 @@ from drillpetsc.unit_systems import plain
 Values = Iterable[dict[str, Any]]
 
 TOLERATED_JUMP = 0.01  # of the hook load, at the start of a run with a top force and a given weight on bit
+TOLERATED_CHANGE = 0.01  # of the speed of the top, where a run begins from the end of another
+ROUNDED_SPEED = 1e-6  # of a top that stands [m/s]
 RESOLVED_FRACTION = 0.3  # of an impact's duration: with longer steps BDF of order 2 gains or loses energy
 COARSE_SAMPLE = 0.1  # of the tuned period
 FREED_WEIGHT = 0.05  # change of the weight on bit over initial.wob from which it is reported
@@ -52,6 +54,44 @@ class TopPulls(Doubt):
     def look(self, at: Freed) -> Values:
         if abs(at.force - at.hook_load) > TOLERATED_JUMP * abs(at.hook_load):
             yield {"force": at.force, "hook_load": at.hook_load}
+
+
+class TopSpins(Doubt):
+    """A run begins from the end of another, at which the top turned at another speed: time begins at 0 again, and so do tables over time."""
+
+    about = (Start,)
+    sentence = (
+        "the top turns at {now:rotation 4} from time 0 on, and turned at {found:rotation 4} at the end of {run}: the jump sends a torsional wave "
+        "down the string. Times in the case count from the start of this run"
+    )
+    remedy = "Begin `top.rotation` with the last value of the other run, or continue that run: `--restart` with a later `time.end`."
+
+    def look(self, at: Start) -> Values:
+        top = at.case.top
+        if at.found is None or at.model.parts(MotorDrive) or top.kind != "top_drive" or top.rotation is None:
+            return
+        now, found = top.rotation.value(0.0), at.found[0]
+        if abs(now - found) > TOLERATED_CHANGE * max(abs(now), abs(found)):
+            yield {"now": now, "found": found, "run": at.case.initial.from_}
+
+
+class TopMoves(Doubt):
+    """A run begins from the end of another, at which the top moved down or up at another speed: time begins at 0 again."""
+
+    about = (Start,)
+    sentence = (
+        "the top is lowered at {now:rop 4} from time 0 on, and was at {found:rop 4} at the end of {run}: the jump sends an axial wave "
+        "down the string. Times in the case count from the start of this run"
+    )
+    remedy = "Begin `top.lowering` with the last value of the other run, or continue that run: `--restart` with a later `time.end`."
+
+    def look(self, at: Start) -> Values:
+        top = at.case.top
+        if at.found is None or top.kind != "top_drive" or top.hoist is not None or top.force is not None:
+            return
+        now, found = top.lowering.value(0.0) if top.lowering is not None else 0.0, at.found[1]
+        if abs(now - found) > TOLERATED_CHANGE * max(abs(now), abs(found)) + ROUNDED_SPEED:
+            yield {"now": now, "found": found, "run": at.case.initial.from_}
 
 
 class StepsBeyondImpacts(Doubt):

@@ -188,6 +188,23 @@ class SwirlLeftOut(Doubt):
             yield {"added": added, "percent": 100 * added / max(torque, 1e-9)}
 
 
+class RotationDragLeftOut(Doubt):
+    """The viscous torque of the mud on a turning string (`fluid.rotation_drag`) follows its speed, which an equilibrium does not have."""
+
+    about = (Answer,)
+    sentence = "the mud's viscous torque on the turning string, {added:torque 3} at {rotation:rotation}, is left out of this equilibrium (fluid.rotation_drag)"
+    remedy = "Add the torque by hand, or simulate the motion with `run`, which contains it."
+
+    def look(self, at: Answer) -> Values:
+        annulus, system = at.model.annulus, at.model.system
+        if annulus is None or not at.rotation:
+            return
+        here = (annulus.parameter("turning") * at.model.mesh.length[system.chain.cells]).sum()
+        added = float(total(system.comm, here)) * abs(at.rotation)
+        if added > 0:
+            yield {"added": added, "rotation": at.rotation}
+
+
 class SliderOnStop(Doubt):
     """A stop carries the load of a telescoping tool, so its spring does not act (manual: sec-statics-march)."""
 

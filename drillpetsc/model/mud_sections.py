@@ -78,12 +78,12 @@ def mud_of_rigid_items(case: Case, mesh: StringMesh) -> FloatArray:
 
 
 def build_bore(case: Case, mesh: StringMesh) -> Bore:
-    """Bore of every element. Elasticity of a thick tube (Lame): (2/E) [(Ro^2 + Ri^2)/(Ro^2 - Ri^2) + nu]."""
+    """Bore of every element. A thick tube of fixed length widens by (2/E) [1 + nu + 2 (1 - nu^2) Ri^2/(Ro^2 - Ri^2)] (eq-mud-wall-bore)."""
     inner, outer = 0.5 * mesh.inner_diameter, 0.5 * mesh.outer_diameter
     area, wall = mesh.bore_area, np.zeros(len(inner))
     if case.given_fluid.elastic_walls:
         young, nu = np.array([_constants(case, k) for k in mesh.item]).T
-        wall = 2 / young * ((outer**2 + inner**2) / (outer**2 - inner**2) + nu)
+        wall = 2 / young * (1 + nu + 2 * (1 - nu**2) * inner**2 / (outer**2 - inner**2))
     runs, _ = _rigid_runs(case, mesh)
     above = np.where(mesh.rigid_above > 0, runs[:-1, 0], area)
     sections = _joint_sections(case)

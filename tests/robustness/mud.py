@@ -88,7 +88,7 @@ def pump_trip(runs: Runs) -> list[Row]:
     item, mud = run.case.string[0], run.case.fluid
     bore = np.pi / 4 * item.id**2
     ea, nu = section(item)[0], item.material.poisson
-    wall = 2 / item.material.young * ((item.od**2 + item.id**2) / (item.od**2 - item.id**2) + nu)
+    wall = 2 / item.material.young * (1 + nu + 2 * (1 - nu**2) * item.id**2 / (item.od**2 - item.id**2))
     steel = np.sqrt(item.material.young / item.material.density)
     c = 1000.0
     for _ in range(50):

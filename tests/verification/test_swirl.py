@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from drillpetsc import Case, run
+from drillpetsc import Case, run, statics
 from drillpetsc.analysis.linear.doubts import FedBySwirl
 from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state
 from drillpetsc.model.drilling_model import build_model
@@ -164,3 +164,14 @@ def test_mud_about_a_string_that_does_not_turn_has_no_swirl(tmp_path):
     without = probes(tmp_path / "without", {"rotation": 0.0}, {"swirl": "none"})
     for name, values in still.items():
         assert np.array_equal(values, without[name]), name
+
+
+def test_statics_names_the_viscous_torque_that_it_leaves_out(tmp_path):
+    """Couette's flow brakes a string on the axis of its hole with 4 pi mu Omega L Ro^2 Rw^2/(Rw^2 - Ro^2)."""
+    case = collar(60.0, rotation_drag=True)
+    outer, wall = (OD / 2) ** 2, (HOLE / 2) ** 2
+    torque = 4 * np.pi * 0.03 * 2 * np.pi * LENGTH * outer * wall / (wall - outer)
+    (said,) = [w for w in statics(case, out=tmp_path / "drag").summary["warnings"] if "viscous torque" in w]
+    assert f"{torque / 1000:.3g} kN m at 60 rpm, is left out" in said
+    summary = statics(case.replace({"fluid.rotation_drag": False}), out=tmp_path / "none").summary
+    assert not any("viscous torque" in w for w in summary["warnings"])

@@ -30,6 +30,8 @@ from drillpetsc.analysis.motion.time_scales import time_scales
 from drillpetsc.analysis.statics.answer import flow_summary
 from drillpetsc.analysis.statics.checks.freed_weight import freed_weight
 from drillpetsc.analysis.statics.equilibrium import StaticState
+from drillpetsc.analysis.statics.placement import motion_of_top
+from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.doubts import doubts_at
@@ -215,6 +217,7 @@ class TransientRun:
     def _doubtful_start(self) -> Start:
         """What is known before the first step; collective."""
         model, saved, from_statics = self.model, self.saved, self.case.initial.from_ == "statics"
+        from_run = saved is None and self.case.initial.from_ not in STARTS
         return Start(
             model=model,
             figures={"hook_load": -model.system.reaction("top.axial_reaction"), **flow_summary(model)}
@@ -226,6 +229,7 @@ class TransientRun:
             libraries=() if saved is None else provenance.changed_libraries(saved.provenance),
             continued=saved is not None,
             accepted=bool(self.notes.get("accepted_changes")),
+            found=motion_of_top(model) if from_run and not is_quasi_static(self.case) else None,
         )
 
     def run(self) -> RunResult:

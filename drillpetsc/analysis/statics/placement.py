@@ -27,6 +27,19 @@ def prescribed_motion(model: DrillingModel) -> tuple[float, float]:
     )
 
 
+def motion_of_top(model: DrillingModel) -> tuple[float, float] | None:
+    """Rotation [rad/s] and lowering [m/s] of the top in the present state, None of a held string; collective."""
+    system, out = model.system, np.zeros(2)
+    if not model.beam.moves:
+        return None
+    first = np.flatnonzero(system.chain.cells == 0)
+    if len(first):
+        place, rate, _ = model.beam.nodal_motion(system.assembly, system.chain.ends[first[0]][:1])[:, 0]
+        out[:] = rate[6], rate[:3] @ place[3:6] / np.linalg.norm(place[3:6])
+    rotation, lowering = total(system.comm, out)
+    return float(rotation), float(lowering)
+
+
 def motion_text(lowering: float, rotation: float, units: System) -> str:
     """`rotation at 60 rpm and lowering at 10 m/h`: the motion [m/s, rad/s] of the top for people, in a system of units."""
     moves = [f"rotation at {shown(rotation, 'rotation', units, 6)}"] if rotation else []

@@ -64,7 +64,7 @@ class Initial(Block):
         default="statics",
         alias="from",
         description="statics: the static equilibrium; rest: along the hole's axis, without strain from loads; "
-        "straight: straight and without strain; or a run folder to continue from",
+        "straight: straight and without strain; or a run folder, whose end is the start; time begins at 0",
     )
     wob: Annotated[float, Quantity("N", at_least=0)] | None = Field(
         default=None, description="weight on bit that the static start meets by the top's axial position"

@@ -232,8 +232,8 @@ class AnnulusWalls:
     def annulus(self, hole: HoleVolume, e: np.ndarray, upper: FloatArray, lower: FloatArray) -> Annulus:
         """Create the annulus of the elements ``e`` (k,) between measured depths ``upper`` and ``lower`` (k,) [m].
 
-        Compliance (Lame; manual: eq-mud-wall-annulus): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [(Ro^2
-        + Ri^2)/(Ro^2 - Ri^2) - nu]}.  The first term is for infinite rock; it is left out if a section
+        Compliance (Lame; manual: eq-mud-wall-annulus): 2/(Rw^2 - Ro^2) {Rw^2 (1 + nu_r)/E_r + (Ro^2/E) [2 (1 - nu^2)
+        Ro^2/(Ro^2 - Ri^2) - 1 - nu]}.  The first term is for infinite rock; it is left out if a section
         has no compliance (a rigid wall).
         """
         top, outer, inner, wall = (
@@ -257,7 +257,8 @@ class AnnulusWalls:
             section = np.minimum(
                 np.searchsorted(self.section_to, 0.5 * (upper + lower)), len(self.section_to) - 1
             )
-            steel = outer / self.young[e] * ((outer + inner) / (outer - inner) - self.poisson[e])
+            nu = self.poisson[e]
+            steel = outer / self.young[e] * (2 * (1 - nu**2) * outer / (outer - inner) - 1 - nu)
             wall = (
                 2
                 / (square - (outer if self.body is None else tube / np.pi))
