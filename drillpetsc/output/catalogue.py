@@ -179,6 +179,7 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         "surge.csv": _listed(
             (*COLUMNS["surge"], *COLUMNS["side_surge"], *COLUMNS["dynamic_surge"]),
             side_flow=where.SIDE_NOZZLES,
+            **dict.fromkeys((q.name for q in COLUMNS["dynamic_surge"]), "with `--dynamic`"),
         ),
         "max_trip_speed.csv": _listed(COLUMNS["max_trip_speed"]),
         "calibration.csv": _listed(COLUMNS["measured"]),
@@ -195,7 +196,9 @@ def _of_commands() -> dict[str, tuple[Listed, ...]]:
         "uncertain.csv": _listed(COLUMNS["uncertain"]),
         "uncertain_limits.csv": _listed(COLUMNS["uncertain_limits"]),
         "uncertain_shares.csv": _listed(COLUMNS["uncertain_shares"]),
-        "limits.csv": _listed(COLUMNS["limits"], damage_per_hour="with `--sn`"),
+        "limits.csv": _listed(
+            COLUMNS["limits"], damage_per_hour="with `--sn`", casing_wear_rate="string that turns in a casing"
+        ),
         "contacts.csv": _listed(COLUMNS["contacts"]),
     }
 
