@@ -62,6 +62,13 @@ class Checked(CaseMoment):
 
 
 @dataclass(frozen=True)
+class Unchecked(CaseMoment):
+    """Derivatives by ``keys`` are not compared, because no run of the changed cases took the same steps."""
+
+    keys: list[str]
+
+
+@dataclass(frozen=True)
 class Followed(CaseMoment):
     """The derivatives of a column of a run are known over time.
 
@@ -138,6 +145,18 @@ class Disagrees(Doubt):
                 "derivative": at.derivative,
                 "difference": at.difference,
             }
+
+
+class NoSameSteps(Doubt):
+    """Newton's method fails in a run of a changed case with the steps of the run, which are long where a bit sticks or bounces."""
+
+    about = (Unchecked,)
+    sentence = "derivatives by {keys} are not checked: runs of the changed cases cannot take the same steps"
+    remedy = "Reduce petsc.ts_rtol."
+
+    def look(self, at: Unchecked) -> Iterable[dict[str, Any]]:
+        if at.keys:
+            yield {"keys": ", ".join(at.keys)}
 
 
 class FlowAtRest(Doubt):

@@ -11,7 +11,7 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.session.live_outputs import SessionOutput
 from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative
-from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed, Stepped
+from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed, Stepped, Unchecked
 from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
@@ -34,8 +34,9 @@ from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
-#: of these differences, relative to output and key: static starts with mud converge to 1e-10 of usual pressures
-ROUNDING_IN_MUD = 5e-5
+#: of these differences, relative to output and key: static starts with mud converge to 1e-10 of usual pressures, and the weight on a bit
+#: that cuts follows from positions that are rounded
+ROUNDING_OF_DIFFERENCES = 5e-5
 LOOSER = 10.0  # tolerance of the run with which the derivatives are compared, over that of the run
 MOVES, SMALL = (
     0.1,
@@ -78,7 +79,8 @@ def run_sensitivities_of_run(
     compared = repeated.checked(found, check)
     if repeated.seconds:
         cost |= {"alone": repeated.seconds, "ratio": series.seconds / repeated.seconds}
-    moments = [*followed, *[Stepped(case, name, *worst) for name, worst in moved.items()], *compared]
+    stepped = [Stepped(case, name, *worst) for name, worst in moved.items()]
+    moments = [*followed, *stepped, *compared, Unchecked(case, repeated.unchecked)]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     rows = [row_of(d) for d in found]
     summary = {
@@ -199,6 +201,7 @@ class _Repeated:
     """Outputs of a run, and of runs of changed cases that take its steps.
 
     numbers: value and derivatives of each output; seconds: processor time of one run alone [s], zero before the first.
+    unchecked: keys for which no such run took the same steps.
     """
 
     def __init__(
@@ -211,14 +214,20 @@ class _Repeated:
     ) -> None:
         self.case, self.comm, self.outputs, self.columns, self.series = case, comm, outputs, columns, series
         self.numbers, self.seconds = _numbers(outputs, columns, series), 0.0
+        self.unchecked: list[str] = []
 
     def values(self, key: Key, change: float) -> FloatArray:
-        """Outputs (m,) of the run with the key changed by ``change`` [its SI unit]; collective."""
+        """Outputs (m,) of the run with the key changed by ``change`` [its SI unit]; collective.
+
+        Raises SolveError if it cannot take the same steps.
+        """
         case = key.changed(self.case, key.value + change)
         with options.applied(case.petsc), converged():
             run = RunOfCase(case, self.comm)
             run.freeze(self.series.steps)
             series = run.series([], self.columns)
+        if len(series.steps) != len(self.series.steps) or not np.allclose(series.steps, self.series.steps):
+            raise SolveError("Newton's method fails with the steps of the run")
         self.seconds = self.seconds or series.seconds
         return np.array([value for value, _ in _numbers(self.outputs, self.columns, series)])
 
@@ -236,10 +245,14 @@ class _Repeated:
         """Compare the derivatives by the first ``count`` keys without a flag with central differences."""
         out, flagged = [], {d.key.name for d in found if d.flag not in ("", STEPS)}
         for key in [key for key in self.series.keys if key.name not in flagged][:count]:
-            slopes = [
-                (self.values(key, h * key.size) - self.values(key, -h * key.size)) / (2 * h * key.size)
-                for h in CHECK_STEPS
-            ]
+            try:
+                slopes = [
+                    (self.values(key, h * key.size) - self.values(key, -h * key.size)) / (2 * h * key.size)
+                    for h in CHECK_STEPS
+                ]
+            except SolveError:
+                self.unchecked.append(key.name)
+                continue
             square = (CHECK_STEPS[0] / CHECK_STEPS[1]) ** 2
             full = (square * slopes[1] - slopes[0]) / (square - 1)
             own = [d for d in found if d.key is key]
@@ -252,7 +265,7 @@ class _Repeated:
                         key.name,
                         d.slope * scale,
                         float(difference) * scale,
-                        ROUNDING_IN_MUD if self.case.fluid else 0.0,
+                        ROUNDING_OF_DIFFERENCES if self.case.fluid or self.case.formation else 0.0,
                     )
                 )
         return out
