@@ -175,6 +175,25 @@ def test_wall_contact_with_frozen_steps(name, integrator):
 
 
 @pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
+def test_wall_that_the_survey_moves(integrator):
+    """A turned string on the wall of a bend: an inclination moves the hole by far more than the wall yields, and the string with it."""
+    case = on_the_wall(integrator, 0.2, 1.0, {}, rotation=6.0, lowering=0.1)
+    bend = {"md": [0, 30, 100], "inclination": [0, 0.1, 0.6], "azimuth": [0, 0, 0.2]}
+    case = Case(**(case._given.keys | {"well": case._given.keys["well"] | {"survey": bend}}))
+    columns, name = ["hook_load", "surface_torque"], "well.survey.inclination[2]"
+    run, key, full = series_of(case, [name], columns), key_of(case, name), []
+    for step in (3e-5, 1e-5, 3e-6):
+        sides = [
+            series_of(key.changed(case, key.value + sign * step), [], columns, run.steps).values
+            for sign in (-1, 1)
+        ]
+        full.append((sides[1] - sides[0]) / (2 * step))
+    best = np.min([np.abs(run.slopes[:, :, 0] - q).max(axis=0) for q in full], axis=0)
+    assert run.flags == [""]
+    assert (best < 1e-4 * np.abs(full[0]).max(axis=0)).all(), best
+
+
+@pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
 def test_a_key_does_not_know_of_the_others(integrator):
     """Derivatives to the last bit, whatever other keys there are and in whatever order."""
     top, degrees, end, collar, column, _ = WALL["turned"]

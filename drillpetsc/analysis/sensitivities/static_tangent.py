@@ -114,16 +114,31 @@ class StaticTangent:
         with self._top_free(self.model, *models, *near):
             self.solver.rows()
             fresh = [model.top.anchor.copy() for model in near]
-            source = -difference(sources, [self._rows_of(self._take(model, self.x)) for model in near])
-            for model, anchor in zip(near, fresh, strict=True):
+            along, gradients, moved = self._along_hole(sources, near), [], []
+            for point, model, anchor in zip(sources, near, fresh, strict=True):
                 model.top.anchor[:] = anchor
-            step = self._solve(source)
+                gradients.append(self._rows_of(self._take(model, self.x[:-1] + point.change * along)))
+                # as rounded, which the rows know
+                moved.append(model.system.assembly.x[: len(along)] - self.x[:-1])
+                model.top.anchor[:] = anchor
+            step = self._solve(-difference(sources, gradients))
+            step[:-1] += difference(sources, moved)
             rows = []
             for point, model in zip(points, models, strict=True):
                 solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
                 rows.append(self._rows_of(solver))
             bends = self._bends(points, rows, step) or self._opens(models)
         return models, bends or self._top_held
+
+    def _along_hole(self, points: Sequence[Point], models: Sequence[DrillingModel]) -> FloatArray:
+        """(n,) derivative of the unstrained string along the hole by the key: a guess with which contacts stay closed where the hole moves."""
+        placed = []
+        for model in models:
+            place_along_hole(model, top_depth(model))
+            placed.append(model.system.assembly.x[: len(self.x) - 1] - self.x[:-1])
+        layout, names = self.model.system.layout, ("string.position", "string.tangent")
+        follows = np.array([f.name in names for f in layout.fields])[layout.field_of]
+        return np.where(follows, difference(points, placed), 0.0)
 
     def solved(self, model: DrillingModel) -> StaticState:
         """Put a model beside that of the state into its own equilibrium, by Newton's method from here; collective.
@@ -147,14 +162,12 @@ class StaticTangent:
         place_along_hole(model, top_depth(model))
         take_unknowns(model, self.model)
         model.top.anchor += self.top
-        return self._moved_to(model, self._solver(model), x, move)
-
-    @staticmethod
-    def _moved_to(model: DrillingModel, solver: StaticNewton, x: FloatArray, move: float) -> StaticNewton:
         asm, n = model.system.assembly, model.system.layout.size
         asm.x[:n] = x[:n]
         for component in model.components:
+            component.forget_hole()  # it was evaluated at other places of the string
             component.locate_hole(asm)
+        solver = self._solver(model)  # whose rates follow the hole
         if move:
             model.top.shift(move)
         asm.invalidate_prescribed_values()
