@@ -1,6 +1,6 @@
 """Steps of the clearance between pipe and wall: elements beside them, and statics on fine meshes there.
 
-Manual: eq-mesh-step, eq-statics-resting-shape.
+Manual: eq-mesh-step, eq-statics-lateral.
 """
 
 from __future__ import annotations
@@ -13,11 +13,14 @@ from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.start.lateral_start import lateral_start
+from drillpetsc.analysis.statics.start.march import march
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Built
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.element_length import free_length, step_moment
 from drillpetsc.output.measured.bending import end_forces
+from drillpetsc.solvers.static.search_limit import SearchLimit
 
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086}
 COLLAR = {"kind": "pipe", "od": 0.165, "id": 0.06}
@@ -183,12 +186,13 @@ def test_fine_meshes_find_the_state_of_coarse_ones(friction):
 
 def test_start_has_the_arc_length_of_its_elements():
     """Marched to the inside of a bend, the start strains no element by more than its tension does and 2e-5."""
-    from drillpetsc.analysis.statics.start.march import march
-
     model = build_model(build_and_hold(2.0))
     place_along_hole(model)
-    found = march(model, (0.0, 10.0))
-    mesh = model.mesh
+    marched, mesh = march(model, (0.0, 10.0)), model.mesh
+    assert marched is not None
+    start = lateral_start(marched, marched, SearchLimit())
+    assert start is not None and start.side_loads is None
+    found = start.march
     chord = np.linalg.norm(np.diff(found.position, axis=0), axis=1)
     turn = np.linalg.norm(np.diff(found.tangent, axis=0), axis=1)
     length = chord * (1 + turn**2 / 24)  # of a flat arc

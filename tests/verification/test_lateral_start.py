@@ -14,8 +14,7 @@ from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole, top_depth
 from drillpetsc.analysis.statics.start import lateral_start
-from drillpetsc.analysis.statics.start.march import march, nodal_loads, pressure_tension
-from drillpetsc.analysis.statics.start.soft_string_start import place_marched
+from drillpetsc.analysis.statics.start.march import march, nodal_loads, place_marched, pressure_tension
 from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.job import Job

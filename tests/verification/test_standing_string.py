@@ -7,7 +7,7 @@ import pytest
 
 from drillpetsc import Case, statics
 from drillpetsc.analysis.statics.placement import place_along_hole
-from drillpetsc.analysis.statics.start.march import axial_compliance, helix_band, march
+from drillpetsc.analysis.statics.start.march import Marcher, axial_compliance, march
 from drillpetsc.analysis.statics.steady_flow import freeze_flow
 from drillpetsc.model.drilling_model import build_model
 
@@ -108,7 +108,7 @@ def test_the_band_of_theory_of_an_inclined_string(tmp_path):
     model = build_model(case)
     place_along_hole(model)
     freeze_flow(model)
-    band = helix_band(model, (1.0, 0.0))
+    band = Marcher(model, (1.0, 0.0)).band()
     assert band is not None and band.name == "hook_load"
     EI, gap = float(model.mesh.bending_stiffness[0]), 0.5 * (0.2159 - 0.127)
     w, step = G * float(model.mesh.mass[0]), 0.1
@@ -122,7 +122,7 @@ def test_the_band_of_theory_of_an_inclined_string(tmp_path):
     upright = build_model(standing(2000.0, 2000.0, element=2.5, initial=initial))
     place_along_hole(upright)
     freeze_flow(upright)
-    assert helix_band(upright, (1.0, 0.0)) is None
+    assert Marcher(upright, (1.0, 0.0)).band() is None
 
 
 def test_a_buckled_string_that_slides_says_that_its_force_is_one_of_a_band(tmp_path):

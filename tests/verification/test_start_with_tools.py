@@ -100,7 +100,7 @@ def test_weight_at_which_a_string_on_a_bit_that_cuts_buckles(wob, buckles, monke
         return state
 
     monkeypatch.setattr(lateral_start, "lateral_state", noted)
-    lateral_start.lateral_start(model, straight, (0.0, 3.0), None, SearchLimit())
+    lateral_start.lateral_start(straight, straight, SearchLimit())
     assert found[-1] == buckles
     # the whole model, straight
     solver = StaticNewton(model.system, clearance=0.05)

@@ -64,7 +64,7 @@ def test_the_lateral_equilibrium_and_the_march_lead_to_the_same_state(fluid, top
     states = []
     for lateral in (True, False):
         if not lateral:
-            monkeypatch.setattr(friction_newton, "_from_lateral_start", lambda _: None)
+            monkeypatch.setattr(friction_newton, "lateral_start", lambda *_: None)
         model = build_model(well(3.0, fluid, **top))
         state = director_equilibrium(model)
         assert state.stable and state.equilibrium.converged and state.lateral_fraction == 1.0

@@ -133,7 +133,7 @@ def test_the_march_is_torque_and_drag_where_nothing_coils() -> None:
     model = build_model(made)
     place_along_hole(model)
     found = march(model, (1.0, 0.0))
-    assert found is not None and not found.helical.any() and found.locked_at is None
+    assert found is not None and not found.helical.any() and found.locked is None
     assert found.axial_force[0] == pytest.approx(-0.25 * WEIGHT * 400.0, rel=1e-6)
     assert found.torque == pytest.approx(0.0, abs=1e-9)
 

@@ -16,8 +16,8 @@ from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, no
 from drillpetsc.analysis.statics.placement import is_slanted, place_along_hole, prescribed_motion, top_depth
 from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, helix_band, march
-from drillpetsc.analysis.statics.start.soft_string_start import place_marched, soft_string
+from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, Marcher
+from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.analysis.statics.top_on_wall import balance_across
@@ -77,7 +77,7 @@ def director_equilibrium(
         answer_by_path(problem, path)
     else:
         try:
-            reached = _newton_with_flow(problem)
+            _newton_with_flow(problem)
         except SolveError as error:
             fallen = HINT if is_slanted(model) and may_leave_hole(model) else ""
             error.hint = fallen or _free_end_hint(model, found) or error.hint
@@ -89,9 +89,9 @@ def director_equilibrium(
         placed = state.top_lies or not lies
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
-        no_lateral_friction = lateral_friction and problem.moves and not reached
+        no_lateral_friction = lateral_friction and problem.moves and not state.lateral_fraction
         report.negative_pivots, report.singular = max(0, count), count < 0
-        problem.impose(reached)
+        problem.impose(state.lateral_fraction)
     refuse_folded(model)
     refuse_fallen(model)
     settle_contents(model, solver, report)
@@ -127,17 +127,14 @@ def _posed(
     if surge is not None:
         model.system.assembly.y[:] = surge
     freeze_flow(model, tolerance=FIRST_FLOW_INCREMENT)
-    soft, found = soft_string(model, motion), march(model, motion, rates=surge)
-    straight = found
-    start = Snapshot(model)
-    band = helix_band(model, motion, surge) if found is not None else None
-    if found is not None:
-        if found.locked_at is not None and path != "slack_off":
-            raise _lock_up(model, found)
-        if found.helical.any():
-            straight = march(model, motion, coils=False, rates=surge)
-        if path is None:
-            place_marched(model, found)
+    soft = soft_string(model, motion)
+    found = straight = band = None
+    if model.contact is not None:
+        marcher = Marcher(model, motion, surge)
+        found, band = marcher.march(), marcher.band()
+        if found.locked is not None and path != "slack_off":
+            raise _lock_up(model, found.locked)
+        straight = marcher.march(coils=False) if found.helical.any() else found
     solver = _solver(model)
     solver.rates = surge
     if path is None:  # a user who asks for a path waits for it
@@ -153,12 +150,12 @@ def _posed(
         lowering,
         found,
         straight,
-        start,
+        Snapshot(model),
     )
 
 
-def _newton_with_flow(problem: StaticProblem) -> float:
-    """Find the state of string and flow; result and errors as of ``_answer_by_newton``.
+def _newton_with_flow(problem: StaticProblem) -> None:
+    """Find the state of string and flow; errors as of ``_answer_by_newton``.
 
     A rough state of the string suffices to solve for both.  Where it does not, an exact one comes first.
     """
@@ -168,28 +165,27 @@ def _newton_with_flow(problem: StaticProblem) -> float:
         (START_INCREMENT, CONVERGED_INCREMENT) if model.fluid is not None else (CONVERGED_INCREMENT,)
     ):
         solver.start_increment = increment
-        reached = _answer_by_newton(problem)
+        _answer_by_newton(problem)
         if state.path is not None:  # it ends with the flow about its last state
-            return reached
-        problem.impose(reached)
+            return
+        problem.impose(state.lateral_fraction)
         try:
             couple_flow_and_string(model, solver, state.equilibrium, problem.lowering)
-            _without_side_loads(problem, reached)
+            _without_side_loads(problem)
             # a rough state may lie before the weight that makes the string buckle, which the flow's solve then adds
             if increment == CONVERGED_INCREMENT or problem.moves or solver.negative_pivots() <= 0:
-                return reached
+                return
         except SolveError:
             if increment == CONVERGED_INCREMENT:
                 raise
         restore()
         asm.freeze(fluid_unknowns(model.system))
-    return reached
 
 
-def _without_side_loads(problem: StaticProblem, reached: float) -> None:
+def _without_side_loads(problem: StaticProblem) -> None:
     """Take away the side loads that found the state of string and flow, if it is stable without them; they stay otherwise."""
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    asm, restore = model.system.assembly, problem.save()
+    asm, restore, fraction = model.system.assembly, problem.save(), problem.state.lateral_fraction
     load = asm.dead_load
     if load is None or not problem.leaves_loads:
         return
@@ -198,7 +194,7 @@ def _without_side_loads(problem: StaticProblem, reached: float) -> None:
         try:
             for share in shares:
                 asm.dead_load = share * load if share else None
-                problem.impose(reached)
+                problem.impose(fraction)
                 if model.fluid is None:
                     come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
                 else:
@@ -211,17 +207,17 @@ def _without_side_loads(problem: StaticProblem, reached: float) -> None:
             break
         restore()
         solver.limit.begin_again()
-    problem.impose(reached)
+    problem.impose(fraction)
 
 
-def _answer_by_newton(problem: StaticProblem) -> float:
-    """Find the state by Newton's method and the relaxation, else by a path; returns the lateral friction fraction.
+def _answer_by_newton(problem: StaticProblem) -> None:
+    """Find the state by Newton's method and the relaxation, else by a path.
 
     Raises SolveError if no equilibrium is found.
     """
     model, state, found = problem.model, problem.state, problem.found
     try:
-        state.lateral_fraction = reach(problem)
+        reach(problem)
     except SolveError as error:
         ended = isinstance(error, SearchEnded)
         if found is not None and found.helical.any():
@@ -233,7 +229,6 @@ def _answer_by_newton(problem: StaticProblem) -> float:
             raise
         problem.origin.restore()
         answer_by_path(problem, "sliding")
-    return state.lateral_fraction
 
 
 def _beyond_bottom(model: DrillingModel) -> float:
@@ -274,7 +269,7 @@ def _units(model: DrillingModel) -> System:
     return model.case.shown_units
 
 
-def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
+def _lock_up(model: DrillingModel, node: int) -> SolveError | CaseError:
     """The error that no push reaches the bit: what friction takes grows faster than the push."""
     mesh, case = model.mesh, model.case
     most, wob = CRUSHING_STRAIN * float(mesh.axial_stiffness[~mesh.is_joint][-1]), case.initial.wob
@@ -284,13 +279,12 @@ def _lock_up(model: DrillingModel, found: March) -> SolveError | CaseError:
             got=shown(wob, "force", _units(model), 6),
             want=f"less than {shown(most, 'force', _units(model), 3)}, which compresses the pipe above the bit by 1 %",
         )
-    assert found.locked_at is not None
-    item = case.string[int(mesh.item[max(found.locked_node - 1, 0)])]
+    item = case.string[int(mesh.item[max(node - 1, 0)])]
     what = "no weight" if case.initial.wob else "no push"
     flows = case.fluid is not None and largest(case.fluid.flow_rate) > 0
     scale, _, unit = display_unit("length", _units(model))
     return SolveError(
-        f"locked up: {what} passes MD {found.locked_at / scale:.0f} {unit} ({item.name or item.kind}); "
+        f"locked up: {what} passes MD {(mesh.node_depth[node] + top_depth(model)) / scale:.0f} {unit} ({item.name or item.kind}); "
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight"
         + ("; less flow or a wider annulus, whose pressure lifts the string (hydraulics)" if flows else ""),

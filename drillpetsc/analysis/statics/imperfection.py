@@ -27,14 +27,18 @@ def add_imperfection_of_rest(model: DrillingModel) -> None:
 
 def imperfections(model: DrillingModel) -> FloatArray:
     """(n_nodes,) imperfection [-] that the case gives; 0 where it gives none."""
-    mesh, initial = model.mesh, model.case.initial
-    given = initial.imperfection if "imperfection" in initial.model_fields_set else 0.0
-    fractions = np.full(mesh.nodes, given)
-    for e, number in enumerate(mesh.item):
+    initial = model.case.initial
+    return _by_items(model, initial.imperfection if "imperfection" in initial.model_fields_set else 0.0)
+
+
+def _by_items(model: DrillingModel, fraction: float) -> FloatArray:
+    """(n_nodes,) imperfection [-] of the items that have their own, ``fraction`` elsewhere."""
+    out = np.full(model.mesh.nodes, fraction)
+    for e, number in enumerate(model.mesh.item):
         own = model.case.string[number].initial
         if own is not None:
-            fractions[e : e + 2] = own.imperfection
-    return fractions
+            out[e : e + 2] = own.imperfection
+    return out
 
 
 def nodal_weight(model: DrillingModel) -> FloatArray:
@@ -46,11 +50,7 @@ def nodal_weight(model: DrillingModel) -> FloatArray:
     return weight
 
 
-def item_imperfection(model: DrillingModel, fraction: float) -> FloatArray:
-    """Compute the factor (n_nodes,) on ``fraction`` of string items with their own imperfection."""
-    mesh, factor = model.mesh, np.ones(model.mesh.nodes)
-    for e, number in enumerate(mesh.item):
-        own = model.case.string[number].initial
-        if own is not None:
-            factor[e : e + 2] = own.imperfection / fraction
-    return factor
+def side_load_size(model: DrillingModel) -> FloatArray:
+    """Standard deviation (n_nodes,) of the side loads that lead a string off its saddle [N]; zeros if ``initial.imperfection`` is zero."""
+    fraction = model.case.initial.imperfection
+    return (nodal_weight(model) if fraction else 0.0) * _by_items(model, fraction)

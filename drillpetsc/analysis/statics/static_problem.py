@@ -90,18 +90,21 @@ class StaticProblem:
         before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
         rates, imperfection = solver.rates, report.imperfection
         last = report.residual, report.increment, report.converged
+        fraction = self.state.lateral_fraction
 
         def restore() -> None:
             before.restore()
             asm.dead_load, asm.y[:] = load, y
             solver.rates, report.imperfection = rates, imperfection
             report.residual, report.increment, report.converged = last
+            self.state.lateral_fraction = fraction
             self.set_friction_aside()
 
         return restore
 
     def impose(self, fraction: float) -> None:
-        """Let friction oppose the motion, with a ``fraction`` of its lateral force."""
+        """Let friction oppose the motion, with a ``fraction`` of its lateral force, which is then the state's."""
+        self.state.lateral_fraction = fraction
         for component in self.model.components:
             component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
 

@@ -16,9 +16,7 @@ from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, PathA
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.march import March, axial_compliance, march
-from drillpetsc.analysis.statics.start.march_shape import CROSSING
-from drillpetsc.analysis.statics.start.soft_string_start import place_marched
+from drillpetsc.analysis.statics.start.march import March, axial_compliance, march, place_marched
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.ends import ForcedBottom
@@ -53,6 +51,7 @@ FIRST_STEP, SHORTEST_STEP = 1e-3, 1e-9  # [s]
 MOST_STEPS, MOST_STEPS_ON = 4000, 100
 STEP_INCREMENT, STEP_ITERATIONS = 1e-6, 25  # of Newton's method in a step
 SPIN_ARM = 0.1  # usual lever of the drag on the spin [m]
+CROSSING = 12.0  # over which the string reaches the wall from an item of little clearance [m]
 FLOW_STEPS = 10  # steps after which the steady flow is solved again
 LEAST_WEIGHT = 1.0  # on the bit before it is loaded [N]
 
@@ -263,7 +262,7 @@ class FrictionPath:
                 reach[i] = min(reach[i], reach[j] + size[i] * abs(depth[i] - depth[j]) / CROSSING)
         share = np.divide(reach, size, out=np.zeros_like(size), where=size > 0)
         offset = (share**2 * (3 - 2 * share))[:, None] * found.offset
-        centre, tangent = found.position - found.offset, found.tangent
+        centre, tangent = found.centre, found.tangent
         if not forced:
             place_marched(model, found)
         else:

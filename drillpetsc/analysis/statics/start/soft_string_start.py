@@ -1,14 +1,10 @@
-"""The soft string beside statics, and the start of statics on the wall of the hole.
-
-Manual: sec-soft-string-bound, sec-statics-march.
-"""
+"""The soft string beside statics (manual: sec-soft-string-bound)."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from drillpetsc.analysis.statics.placement import top_depth
-from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.analysis.statics.start.soft_string import TorqueDrag, torque_drag
 from drillpetsc.case.blocks.ends import ForcedBottom
 from drillpetsc.model.drilling_model import DrillingModel
@@ -61,22 +57,6 @@ def soft_string(
         rotation=motion[1],
     )
     return soft
-
-
-def place_marched(model: DrillingModel, found: March) -> None:
-    """Put the string at the start that ``march`` found, and its top at the wall where the string is on it."""
-    system, top = model.system, model.top
-    if model.case.top.force is None:
-        top.shift(found.top_motion)
-    if found.top_on_wall:
-        # the top is at the wall with the string: on the axis it would carry the first tens of metres, which
-        # changes torque and drag of a short string by percents
-        top.displace(found.offset[0])
-    system.set_field("string.position", found.position)
-    system.set_field("string.tangent", found.tangent)
-    system.set_field("string.spin", found.twist[:, None])
-    if "string.ratio" in system.layout.dofs:
-        system.set_field("string.ratio", found.ratio[:, None])
 
 
 def _force_below(model: DrillingModel, weight: float) -> float:
