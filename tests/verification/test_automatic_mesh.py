@@ -16,6 +16,7 @@ from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import end_forces
 from tests.helpers.buckling import buckling_load
+from tests.helpers.wells import simple_well
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -325,10 +326,7 @@ def test_a_beam_almost_without_stiffness_has_a_mesh_at_all():
         "polar_inertia": 0.6,
     }
     case = Case(
-        well={
-            "survey": {"md": [0, 43], "inclination": [0, 0.1], "azimuth": [0.3, 0.3]},
-            "sections": [{"to": "end", "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(43, 0.2159, (0, 0.1), 0.3, friction=0.3),
         string=[{"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}, beam],
         top={"kind": "top_drive", "rotation": "60 rpm"},
         time={"end": 1.0},

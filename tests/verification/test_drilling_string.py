@@ -17,6 +17,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.solvers.petsc_options import applied
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
+from tests.helpers.wells import simple_well
 
 GRAVITY, STEEL = 9.80665, 7850.0
 PIPE, COLLAR = (0.127, 0.1086), (0.1715, 0.0714)  # outer and inner diameter [m]
@@ -60,10 +61,7 @@ def case(
     """300 m of pipe, collars and bit on bottom in a straight hole, or in one that builds to the last of
     several inclinations [rad]."""
     angles = inclination if isinstance(inclination, list) else [inclination] * 3
-    well = {
-        "survey": {"md": [0, 100, DEPTH], "inclination": angles, "azimuth": [0.35] * 3},
-        "sections": [{"to": DEPTH, "kind": "open_hole", "diameter": BIT_DIAMETER, "friction": 0.25}],
-    }
+    well = simple_well([0, 100, DEPTH], BIT_DIAMETER, angles, 0.35, friction=0.25)
     string = [
         {"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": size}
         for length, (od, bore), size in ((PIPE_LENGTH, PIPE, element), (COLLAR_LENGTH, COLLAR, 0.7 * element))
