@@ -11,7 +11,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT, both_jacobians, lengths, meet_conditions
 from tests.helpers.flow_models import KINDS, build, give_shoulders
 from tests.helpers.tables import each_row
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 
 def stiff_fluid() -> FluidConstants:
@@ -185,11 +185,7 @@ def accelerated_aside(outer: float, hole: float, eccentricity: float):
     from drillpetsc.model.drilling_model import build_model
 
     well = simple_well(60, hole, kind="casing", friction=0.2)
-    fluid = {
-        "density": 1200,
-        "rheology": {"model": "newtonian", "viscosity": 0.02},
-        "added_mass": "eccentric",
-    }
+    fluid = newtonian(1200, 0.02, added_mass="eccentric")
     string = [{"kind": "pipe", "length": 40, "od": outer, "id": 0.1086, "element_length": 10.0}]
     model = build_model(Case(string=string, top="clamped", well=well, fluid=fluid))
     place_along_hole(model)

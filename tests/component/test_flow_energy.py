@@ -14,6 +14,7 @@ from drillpetsc.physics.fluid.rheology import Rheology
 from tests.helpers.component_models import GRAVITY, SHIFT
 from tests.helpers.flow_models import build
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 WALL = 0.02  # d(ln A)/dp [1/Pa], and pressures of about 1 Pa: a give of 2 %
 DENSITY, BULK, AREA_HOLE, SLOW = 3.0, 60.0, 0.3, 1e-4
@@ -101,10 +102,7 @@ def test_slow_motion_of_a_give_in_the_walls_balances(kind):
     assert abs(left_out) > 4e-3 * size, "the motion does not show what is tested"
 
 
-WELL = {
-    "survey": {"md": [0, 100, 300, 500], "inclination": [0, 0, 1.0, 1.0], "azimuth": [0, 0, 0, 0]},
-    "sections": [{"to": 500, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well([0, 100, 300, 500], 0.2159, [0, 0, 1.0, 1.0], kind="casing", friction=0.2)
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "bulk_modulus": 2.2e9}
 CASES = {
     "lowered in a curved hole": {

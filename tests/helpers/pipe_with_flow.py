@@ -17,16 +17,12 @@ from drillpetsc import Case
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from tests.helpers.moving import matrices
+from tests.helpers.wells import newtonian
 
 LENGTH, BENDING, DENSITY, OUTER, INNER = 10.0, 1e4, 1000.0, 0.12, 0.1  # [m], [N m2], [kg/m3], [m], [m]
 BORE, SOLID = np.pi / 4 * INNER**2, np.pi / 4 * OUTER**2  # [m2]
 FORCE = BENDING / LENGTH**2  # unit of force [N]
-INCOMPRESSIBLE = {
-    "density": DENSITY,
-    "bulk_modulus": 1e14,
-    "elastic_walls": False,
-    "rheology": {"model": "newtonian", "viscosity": 0.0},
-}
+INCOMPRESSIBLE = newtonian(DENSITY, 0.0, bulk_modulus=1e14, elastic_walls=False)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,10 @@
-"""Wells of one section, for cases that tests build by hand."""
+"""Wells of one section and muds of one viscosity, for cases that tests build by hand."""
 
 from __future__ import annotations
 
 from typing import Any
+
+import numpy as np
 
 
 def simple_well(
@@ -13,14 +15,23 @@ def simple_well(
     kind: str = "open_hole",
     **section: Any,
 ) -> dict[str, Any]:
-    """A well with stations at the surface and at its end, and one section: the keys of `well` in a case.
+    """A well with stations at the surface and at its end, or at several depths, and one section: the keys of `well` in a case.
 
-    depth, diameter: of the hole [m]; inclination, azimuth [rad]: a number, or a pair for the two stations.
-    section: further keys, such as friction.
+    depth, diameter: of the hole [m], the depth of its end or a list of all stations; inclination, azimuth [rad]: a number, or one for each
+    station.  section: further keys, such as friction.
     """
+    md = list(depth) if np.ndim(depth) else [0, depth]
 
-    def pair(value: Any) -> list:
-        return list(value) if isinstance(value, tuple) else [value, value]
+    def each(value: Any) -> list:
+        return list(value) if np.ndim(value) else [value] * len(md)
 
-    survey = {"md": [0, depth], "inclination": pair(inclination), "azimuth": pair(azimuth)}
-    return {"survey": survey, "sections": [{"to": depth, "kind": kind, "diameter": diameter, **section}]}
+    survey = {"md": md, "inclination": each(inclination), "azimuth": each(azimuth)}
+    return {"survey": survey, "sections": [{"to": md[-1], "kind": kind, "diameter": diameter, **section}]}
+
+
+def newtonian(density: Any, viscosity: Any, **keys: Any) -> dict[str, Any]:
+    """Newtonian mud: the keys of `fluid` in a case.
+
+    density [kg/m3]; viscosity [Pa s]; keys: further ones, such as flow_rate.
+    """
+    return {"density": density, "rheology": {"model": "newtonian", "viscosity": viscosity}, **keys}

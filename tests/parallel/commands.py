@@ -377,10 +377,7 @@ CASES = Path(__file__).parents[2] / "cases"
 PATH_OF_SURVEY = "  well.survey: {path: {inclination: 0.1 deg, lateral: 0.2 deg, length: 800 m}}\n"
 #: a string that turns on the wall of a curved hole and is lowered
 IN_MUD = {
-    "well": {
-        "survey": {"md": [0, 60, 120], "inclination": [0.3, 0.3, 0.6], "azimuth": [0, 0, 0]},
-        "sections": [{"to": 120, "kind": "open_hole", "diameter": 0.2159, "friction": 0.2}],
-    },
+    "well": simple_well([0, 60, 120], 0.2159, [0.3, 0.3, 0.6], friction=0.2),
     "string": [m.drill_pipe(100.0, 10, 1e-3), {"kind": "bit", "length": 0.5, "od": 0.2, "mass": 60, "nozzle_area": 4e-4}],
     "fluid": MUD,
     "top": {"kind": "top_drive", "rotation": 6.0, "lowering": 0.2},

@@ -13,23 +13,20 @@ from tests.helpers.tables import each_row
 from tests.parallel.commands import DRILLING, LOOP, ROWS, out_folder
 
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
-GROUPS = 2  # jobs on each number of ranks: tests that workers share
 
 
-@pytest.mark.parametrize("group", range(GROUPS))
-def test_ranks_agree(group: int, tmp_path: Path) -> None:
-    names = list(ROWS)[group::GROUPS]
-    for name in names:
+def test_ranks_agree(tmp_path: Path) -> None:
+    for name in ROWS:
         done = drillpetsc(*ROWS[name].line(tmp_path, name, 1), cwd=tmp_path)
         assert done.returncode == 0, f"{name}: {done.stderr}"
     for ranks in (2, 3):
-        lines = [ROWS[name].line(tmp_path, name, ranks) for name in names if ranks in ROWS[name].ranks]
+        lines = [ROWS[name].line(tmp_path, name, ranks) for name in ROWS if ranks in ROWS[name].ranks]
         (tmp_path / "jobs.json").write_text(json.dumps(lines))
         run_mpi(
             ranks, Path(__file__).with_name("run_commands.py"), [str(tmp_path / "jobs.json")], timeout=900
         )
 
-    @each_row("name", names)
+    @each_row("name", ROWS)
     def agree(name: str) -> None:
         one, *others = (out_folder(tmp_path, name, ranks) for ranks in (1, *ROWS[name].ranks))
         ROWS[name].shows(one)

@@ -13,21 +13,18 @@ from tests.helpers.tables import each_row
 from tests.parallel.matrix import ROWS
 
 ON_RANKS = [name for name, row in ROWS.items() if row.ranks is not None]
-GROUPS = 2  # jobs on each number of ranks: tests that workers share
 
 
 @pytest.mark.parallel
 @pytest.mark.skipif(not have_mpi(), reason="no mpirun")
-@pytest.mark.parametrize("group", range(GROUPS))
-def test_ranks_agree(group, tmp_path):
+def test_ranks_agree(tmp_path):
     """Histories on two and three ranks against one, within the share of the row; and something moves."""
-    names = ON_RANKS[group::GROUPS]
     jobs = {
-        name: (ROWS[name].written(tmp_path, f"case{k}"), ROWS[name].ranks) for k, name in enumerate(names)
+        name: (ROWS[name].written(tmp_path, f"case{k}"), ROWS[name].ranks) for k, name in enumerate(ON_RANKS)
     }
     folders = all_on_ranks(jobs, tmp_path)
 
-    @each_row("name", names)
+    @each_row("name", ON_RANKS)
     def agree(name):
         row = ROWS[name]
         history = same_histories(folders[name], row.share, row.least, without=row.without)

@@ -23,51 +23,19 @@ FOOT = 12 * INCH
 @each_row(
     ("text", "unit", "expected"),
     [
-        ("9.625 in", "m", 9.625 * INCH),
-        ("9 5/8 in", "m", 9.625 * INCH),
         ("9-5/8 in", "m", 9.625 * INCH),
         ("1/4 in", "m", INCH / 4),
         ("-1/4 in", "m", -INCH / 4),
-        ("30 ft", "m", 30 * FOOT),
-        ("2000 m", "m", 2000.0),
-        ("127mm", "m", 0.127),
-        ("400 mm2", "m^2", 400e-6),
         ("7 l", "m^3", 7e-3),
         ("1 bbl", "m^3", 42 * GALLON),  # an oil barrel, not a dry one
-        ("80 rpm", "rad/s", 80 * 2 * math.pi / 60),
-        ("60 rev/min", "rad/s", 2 * math.pi),
-        ("8.4 rad/s", "rad/s", 8.4),
-        ("30 deg", "rad", math.pi / 6),
-        ("30 °", "rad", math.pi / 6),
-        ("12 lb/gal", "kg/m^3", 12 * POUND / GALLON),
-        ("12 ppg", "kg/m^3", 12 * POUND / GALLON),
-        ("1.2 g/cm3", "kg/m^3", 1200.0),
         ("0.05 kg m", "kg m", 0.05),
         ("200 kg m2", "kg m^2", 200.0),
         ("1.0e8 N/m^2", "Pa", 1e8),
         ("1.0e8 Pa", "Pa", 1e8),
         ("206 GPa", "Pa", 206e9),
-        ("1 psi", "Pa", POUND_FORCE / INCH**2),
         ("3e9 N/m^2.5", "N/m^2.5", 3e9),
-        ("0.5 Pa s^n", "Pa s^n", 0.5),
-        ("25 lbf s^n/100 ft^2", "Pa s^n", 25 * POUND_FORCE / (100 * FOOT**2)),
-        ("20 cP", "Pa s", 0.02),
-        ("1 Pa.s", "Pa s", 1.0),
-        ("1 kN", "N", 1000.0),
-        ("10 klbf", "N", 10e3 * POUND_FORCE),
-        ("1 ft lbf", "N m", FOOT * POUND_FORCE),
         ("5 N m", "N m/rad", 5.0),
         ("5 N m/rad", "N m/rad", 5.0),
-        ("60 degF", "K", (60 + 459.67) / 1.8),
-        ("20 degC", "K", 293.15),
-        ("500 gal/min", "m^3/s", 500 * GALLON / 60),
-        ("500 gpm", "m^3/s", 500 * GALLON / 60),
-        ("30 l/s", "m^3/s", 0.03),
-        ("10 m/h", "m/s", 10 / 3600),
-        ("3 deg/30 m", "1/m", math.radians(3) / 30),
-        ("3 deg/100 ft", "1/m", math.radians(3) / (100 * FOOT)),
-        ("3 deg/(30 m)", "1/m", math.radians(3) / 30),
-        ("1.0e-4 1/m", "1/m", 1e-4),
         ("1e-4 m-1", "1/m", 1e-4),
         ("2.8e-8 m/(s N)", "m/(s N)", 2.8e-8),
         ("9.80665 m/s2", "m/s^2", 9.80665),
@@ -77,6 +45,7 @@ FOOT = 12 * INCH
     ],
 )
 def test_text_with_a_unit(text: str, unit: str, expected: float) -> None:
+    """Spellings of rigs and reports are in test_field_units.py."""
     assert to_si(text, unit) == pytest.approx(expected, rel=1e-14)
 
 
@@ -88,7 +57,6 @@ def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
 @each_row(
     ("text", "unit", "hint"),
     [
-        ("80 rpm", "m", "rotation speed"), ("5 Hz", "rad/s", "rpm or rad/s"),
         ("5 1/s", "rad/s", "rpm or rad/s"), ("80 rpm", "1/s", "rotation speed"), ("10 kN", "N m", "force"),
         ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"), ("9,5 in", "m", "point"), ("9 5 in", "m", "one number"),
         ("9 5/0 in", "m", ""), ("5 m + 3 m", "m", "one number"), ("5 __import__('os')", "m", "one number"),

@@ -13,6 +13,7 @@ from drillpetsc import Case, Session, modes
 from drillpetsc.output import read_table
 from drillpetsc.physics.top.hoist import Hoist
 from tests.helpers.hoist_models import DRILLABILITY, EA, HOIST, LINE_STIFFNESS, drilling, history
+from tests.helpers.wells import newtonian
 
 P, I = 5.0e-8, 2.0e-9  # default gains [m/s/N], [m/s2/N]
 
@@ -227,12 +228,12 @@ def test_differential_pressure(tmp_path):
     del case["gravity"], case["contact"]  # the pressure would buckle a pipe without weight
     case["string"].append({"kind": "bit", "length": 0.3, "od": 0.2, "mass": 30.0, "nozzle_area": 4e-4})
     case["well"]["survey"]["md"][1] = case["well"]["sections"][0]["to"] = 300.3
-    case["fluid"] = {
-        "density": 1200.0,
-        "rheology": {"model": "newtonian", "viscosity": 0.01},
-        "flow_rate": {"time": [0, 8, 9, 14, 15], "value": [0.02, 0.02, 0.026, 0.026, 0.02]},
-        "dynamics": "quasi_steady",
-    }
+    case["fluid"] = newtonian(
+        1200.0,
+        0.01,
+        flow_rate={"time": [0, 8, 9, 14, 15], "value": [0.02, 0.02, 0.026, 0.026, 0.02]},
+        dynamics="quasi_steady",
+    )
     got, _ = history(case, tmp_path / "run")
     t, v = got["time"], got["drum_speed"]
     tare = np.interp(4.0, t, got["pump_pressure"])

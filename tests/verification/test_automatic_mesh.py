@@ -9,16 +9,14 @@ from drillpetsc import Case, run, statics
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.analysis.statics.placement import place_along_hole
-from drillpetsc.analysis.statics.relaxation import relax
 from drillpetsc.errors import CaseError
 from drillpetsc.model import element_length
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.mesh import build_mesh, coarsened, element_lengths
 from drillpetsc.output import read_table
 from drillpetsc.output.measured.bending import end_forces
-from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 from tests.helpers.buckling import buckling_load
+from tests.helpers.wells import simple_well
 
 AREA, BENDING, WEIGHT, CLEARANCE = 3.4047325e-3, 1.2240289e6, 242.0, 0.04445
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "material": {"density": WEIGHT / 9.81 / AREA}}
@@ -47,39 +45,6 @@ def test_buckling_load_of_a_level_pipe(share):
     )
     model = build_model(made)
     assert buckling_load(model, CLEARANCE, exact) == pytest.approx(exact, rel=1e-2)
-
-
-def test_contact_force_of_a_helix():
-    """Weightless helix under 300 kN, 8 pitches, ends on the wall: r F^2/(4 EI) within 1 % (Lubinski, Althouse and
-    Logan 1962)."""
-    force = 3e5
-    pitch = 2 * np.pi * np.sqrt(2 * BENDING / force)
-    made = case(
-        well=hole([0.0, 8 * pitch], [0.0, 0.0]),
-        string=[{**PIPE, "length": 8 * pitch}],
-        gravity=0.0,
-        bottom="pinned",
-        top={"kind": "top_drive", "force": -force},
-    )
-    model = build_model(made)
-    assert model.mesh.length.max() < pitch / 4
-    place_along_hole(model)
-    system, turn = model.system, 2 * np.pi * model.mesh.node_depth / pitch
-    around = CLEARANCE * np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
-    slope = CLEARANCE * 2 * np.pi / pitch * np.column_stack([-np.sin(turn), np.cos(turn), 0 * turn])
-    system.set_field("string.position", model.position + around)
-    system.set_field("string.tangent", model.tangent + slope)
-    held = next(component for component in model.components if component.name == "held_end")
-    for end, offset in ((model.top, around[0]), (held, around[-1])):
-        end.anchor += end.prescribed()[0].directions[:, :3] @ offset
-    model.contact.impose_sliding_direction(0.0, 0.0)
-    solver = StaticNewton(system, clearance=CLEARANCE)
-    relax(model, solver, Equilibrium())
-    assert solver.negative_pivots() == 0
-    middle = np.abs(model.mesh.upper - 4 * pitch) < 2 * pitch
-    cells, _ = model.contact.element_results(system.assembly)
-    mean = cells[middle, 0].sum() / model.mesh.length[middle].sum()
-    assert mean == pytest.approx(CLEARANCE * force**2 / (4 * BENDING), rel=1e-2)
 
 
 @pytest.mark.parametrize("tension", [1e3, 1e5, 1e6])
@@ -361,10 +326,7 @@ def test_a_beam_almost_without_stiffness_has_a_mesh_at_all():
         "polar_inertia": 0.6,
     }
     case = Case(
-        well={
-            "survey": {"md": [0, 43], "inclination": [0, 0.1], "azimuth": [0.3, 0.3]},
-            "sections": [{"to": "end", "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(43, 0.2159, (0, 0.1), 0.3, friction=0.3),
         string=[{"kind": "pipe", "length": 30.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}, beam],
         top={"kind": "top_drive", "rotation": "60 rpm"},
         time={"end": 1.0},

@@ -10,6 +10,7 @@ from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import MOTIONS
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.wells import simple_well
 
 FRICTION = 0.15
 
@@ -20,10 +21,7 @@ def test_a_coiled_string_slides_with_the_drag_of_its_bit():
     A build of 10 deg/30 m presses the bit with 13 kN against its hole; 2 kN of friction, 2.4 % of the hook load, were left out.
     """
     case = Case(
-        well={
-            "survey": {"md": [0.0, 700.0, 790.0, 820.0], "inclination": list(np.radians([0.0, 0.0, 20.0, 30.0])), "azimuth": [0.0] * 4},
-            "sections": [{"to": 820.0, "kind": "open_hole", "diameter": 0.2159, "friction": FRICTION}],
-        },
+        well=simple_well([0.0, 700.0, 790.0, 820.0], 0.2159, list(np.radians([0.0, 0.0, 20.0, 30.0])), friction=FRICTION),
         string=[
             {"kind": "pipe", "length": 780.0, "od": 0.127, "id": 0.1086, "element_length": 5.0},
             {"kind": "pipe", "length": 39.7, "od": 0.1714, "id": 0.0714, "element_length": 3.0},

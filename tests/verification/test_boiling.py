@@ -9,7 +9,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.output import read_table
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 DENSITY, MODULUS, AREA = 1200.0, 2.2e9, np.pi / 4 * 0.1086**2
 SPEED = np.sqrt(MODULUS / DENSITY)  # of sound between rigid walls [m/s]
@@ -22,14 +22,14 @@ def stopped(folder, outlet: float, units: str = "metric", **keywords):
         well=simple_well(700, 0.2159, 1.5707963, kind="casing", friction=0),
         string=[{"kind": "pipe", "length": 600, "od": 0.127, "id": 0.1086, "element_length": 10}],
         hold_string=True,
-        fluid={
-            "density": DENSITY,
-            "bulk_modulus": MODULUS,
-            "elastic_walls": False,
-            "rheology": {"model": "newtonian", "viscosity": 0},
-            "outlet_pressure": outlet,
-            "flow_rate": {"time": [0, 0.05, 0.15], "value": [FLOW, FLOW, 0]},
-        },
+        fluid=newtonian(
+            DENSITY,
+            0,
+            bulk_modulus=MODULUS,
+            elastic_walls=False,
+            outlet_pressure=outlet,
+            flow_rate={"time": [0, 0.05, 0.15], "value": [FLOW, FLOW, 0]},
+        ),
         time={"end": keywords.pop("end", 0.3)},
         output={"history_every": 0.01, "units": units},
     )

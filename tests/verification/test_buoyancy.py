@@ -17,6 +17,7 @@ from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
+from tests.helpers.wells import newtonian
 
 G, LENGTH, MUD, STEEL = 9.81, 1000.0, 1200.0, 7850.0
 OD, ID, HOLE = 0.127, 0.1086, 0.2159
@@ -80,12 +81,7 @@ def hung(
     **keys,
 ) -> tuple[DrillingModel, StaticState, dict]:
     """DrillingModel, state and summary of a string that hangs at rest from a clamp."""
-    mud = {
-        "density": MUD,
-        "bulk_modulus": modulus,
-        "elastic_walls": not stiff,
-        "rheology": {"model": "newtonian", "viscosity": 0.0},
-    }
+    mud = newtonian(MUD, 0.0, bulk_modulus=modulus, elastic_walls=not stiff)
     case = {
         "string": string or [piece(stiff=stiff)],
         "top": "clamped",

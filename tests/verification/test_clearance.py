@@ -11,16 +11,14 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
+from tests.helpers.wells import simple_well
 
 RATIO = (0.9375 / 1.75) ** 0.5
 
 
 def case(clearance: str) -> dp.Case:
     return dp.Case(
-        well={
-            "survey": {"md": [0, 200], "inclination": ["60 deg", "60 deg"], "azimuth": [0, 0]},
-            "sections": [{"to": "end", "kind": "open_hole", "diameter": "8.5 in", "friction": 0.2}],
-        },
+        well=simple_well(200, "8.5 in", "60 deg", friction=0.2),
         string=[dp.DrillPipe("5in 19.50 S-135 NC50", length=150.0, element_length=10.0, clearance=clearance)],
         top={"kind": "top_drive", "lowering": "0.1 m/s"},
     )

@@ -12,7 +12,7 @@ from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state, re
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.solvers.linear.quadratic_eigenproblem import lowest_eigenvalues
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 
 def case(formulation: str, deep: float, flow: float = 0.0, bottom=None, **keys) -> Case:
@@ -23,13 +23,7 @@ def case(formulation: str, deep: float, flow: float = 0.0, bottom=None, **keys) 
         top="clamped",
         bottom=bottom or "free",
         contact="none",
-        fluid={
-            "density": 1200.0,
-            "rheology": {"model": "newtonian", "viscosity": 0.03},
-            "bulk_modulus": 2e9,
-            "flow_rate": flow,
-            "formulation": formulation,
-        },
+        fluid=newtonian(1200.0, 0.03, bulk_modulus=2e9, flow_rate=flow, formulation=formulation),
         gravity=9.81,
         **keys,
     )
@@ -102,13 +96,7 @@ def test_shares_of_energy_where_mud_and_steel_move_against_each_other():
             bottom={"kind": "free", "plugged": True},
             gravity=0.0,
             initial={"from": "straight"},
-            fluid={
-                "density": mud,
-                "rheology": {"model": "newtonian", "viscosity": 0.0},
-                "bulk_modulus": bulk,
-                "elastic_walls": False,
-                "pump_pressure": 1e5,
-            },
+            fluid=newtonian(mud, 0.0, bulk_modulus=bulk, elastic_walls=False, pump_pressure=1e5),
         )
     )
     prepare_state(model)

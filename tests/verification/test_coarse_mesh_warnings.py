@@ -86,9 +86,7 @@ def test_nothing_is_said_where_nothing_bends():
     assert "beside" not in describe(still).replace("beside an", "")
 
 
-@pytest.mark.parametrize(
-    ("element", "reported"), [(5.0, True), (4.0, True), (3.0, True), (2.0, False), ("auto", False)]
-)
+@pytest.mark.parametrize(("element", "reported"), [(3.0, True), (2.0, False)])
 @pytest.mark.parametrize("top", [{"kind": "top_drive", "lowering": 0.1}, "pinned"], ids=["lowered", "pinned"])
 def test_residual_curvature(tmp_path, element, reported, top):
     """Coiled tubing of 0.1 1/m: 0.2 rad in an element, 2 m, are enough; from 3 m on (hook load 3 %, torque 17 % off)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
+from tests.helpers.wells import simple_well
 
 SLIP = 0.01  # [m/s]
 TILT, FRICTION, G = (
@@ -18,10 +19,7 @@ TILT, FRICTION, G = (
 def on_a_slope(folder, slip: float, lowering=None) -> list[str]:
     """A free straight string that lies in a slope below the angle of friction: its weight is held by friction."""
     case = Case(
-        well={
-            "survey": {"md": [0, 100], "inclination": [TILT, TILT], "azimuth": [0, 0]},
-            "sections": [{"to": 100, "kind": "open_hole", "diameter": 0.2159, "friction": FRICTION}],
-        },
+        well=simple_well(100, 0.2159, TILT, friction=FRICTION),
         string=[{"kind": "pipe", "length": 40, "od": 0.127, "id": 0.1086, "element_length": 5}],
         top="free" if lowering is None else {"kind": "top_drive", "lowering": lowering},
         contact={"slip_velocity": slip},
@@ -80,10 +78,7 @@ def test_a_string_that_slides_at_the_rate_of_drilling_has_its_full_drag(tmp_path
 def test_slip_velocity_follows_the_slowest_sliding():
     def slip(**top):
         return Case(
-            well={
-                "survey": {"md": [0, 400], "inclination": [1, 1], "azimuth": [0, 0]},
-                "sections": [{"to": 400, "kind": "open_hole", "diameter": 0.2159}],
-            },
+            well=simple_well(400, 0.2159, 1),
             string=[{"kind": "pipe", "length": 400, "od": 0.127, "id": 0.1086}],
             top={"kind": "top_drive", **top},
             bottom="bit",

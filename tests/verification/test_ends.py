@@ -11,6 +11,7 @@ import pytest
 from drillpetsc import Case, modes, run, statics
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 LENGTH = 20.0
 PIPE = {"kind": "pipe", "length": LENGTH, "od": 0.127, "id": 0.1086, "element_length": 0.5}
@@ -95,10 +96,7 @@ def test_a_joint_at_depth_zero_needs_a_top_that_holds_it(top):
         Case(string=[PIPE], top=top, joints=[UNIVERSAL])
 
 
-WELL = {
-    "survey": {"md": [0, 300, 600], "inclination": [0.1, 0.3, 0.6], "azimuth": [0, 0, 0]},
-    "sections": [{"to": 600, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well([0, 300, 600], 0.2159, [0.1, 0.3, 0.6], kind="casing", friction=0.2)
 
 
 def bit_on_bottom(length: float, **top: Any) -> Case:

@@ -11,28 +11,20 @@ import numpy as np
 import pytest
 
 import drillpetsc as dp
+from tests.helpers.wells import newtonian, simple_well
 
 DENSITY = 1260.0
 
 
 def case(**more) -> dp.Case:
     keys = {
-        "well": {
-            "survey": {"md": [0, 2000], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": "end", "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        "well": simple_well(2000, 0.2159, friction=0.0),
         "string": [
             {"kind": "pipe", "length": 1999.5, "od": 0.127, "id": 0.1086},
             {"kind": "bit", "length": 0.5, "od": 0.2159, "nozzle_area": 4e-4},
         ],
         "top": {"kind": "top_drive"},
-        "fluid": {
-            "density": DENSITY,
-            "rheology": {"model": "newtonian", "viscosity": 1e-3},
-            "bulk_modulus": 1e14,
-            "elastic_walls": False,
-            "flow_line": 5.0,
-        },
+        "fluid": newtonian(DENSITY, 1e-3, bulk_modulus=1e14, elastic_walls=False, flow_line=5.0),
     }
     return dp.Case(**(keys | more))
 

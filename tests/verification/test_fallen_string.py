@@ -9,6 +9,7 @@ from drillpetsc import Case, run, statics
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import SolveError
 from drillpetsc.output import read_table
+from tests.helpers.wells import simple_well
 
 G = 9.80665
 PIPE, COLLAR = (0.127, 0.1086), (0.2032, 0.0714)
@@ -19,10 +20,7 @@ def on_bottom(wob: float) -> Case:
         return {"kind": "pipe", "length": length, "od": size[0], "id": size[1], "element_length": 10}
 
     return Case(
-        well={
-            "survey": {"md": [0, 1150], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"to": 1150, "kind": "open_hole", "diameter": 0.31115}],
-        },
+        well=simple_well(1150, 0.31115),
         string=[
             pipe(PIPE, 1000),
             pipe(COLLAR, 149.6),

@@ -16,7 +16,7 @@ from drillpetsc.fem.quantity import OneStep
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.joint_models import body, chain_of_bodies, place
 from tests.helpers.motion import beam, fixed, integrate, straight
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 from tests.verification.test_bit_growth import exact_depth, spring_bit
 from tests.verification.test_joints import (
     EXACT,
@@ -47,13 +47,9 @@ def test_order_two_of_pressures_and_flows():
             string=[{"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 250.0}],
             bottom="free",
             gravity=0.0,
-            fluid={
-                "density": 1200.0,
-                "rheology": {"model": "newtonian", "viscosity": 0.0},
-                "bulk_modulus": 2.2e9,
-                "elastic_walls": False,
-                "flow_rate": {"ramp": 2.0, "value": 1e-3},
-            },
+            fluid=newtonian(
+                1200.0, 0.0, bulk_modulus=2.2e9, elastic_walls=False, flow_rate={"ramp": 2.0, "value": 1e-3}
+            ),
             time={"end": 2.0},
         )
         model = build_model(case)

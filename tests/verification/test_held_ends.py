@@ -17,6 +17,7 @@ from drillpetsc.case.writer import case_data
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.static_table import static_table
+from tests.helpers.wells import simple_well
 
 AREA, BENDING, YOUNG = 3.4047325e-3, 1.2240289e6, 206e9  # [m2], [N m2], [Pa]
 WEIGHT, CLEARANCE = 242.0, 0.04445  # [N/m], [m]
@@ -27,10 +28,7 @@ def held_string(length: float, inclination: float, bottom: str) -> Case:
     angle = float(np.radians(inclination))
     pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "length": length}
     return Case(
-        well={
-            "survey": {"md": [0.0, length], "inclination": [angle, angle], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(length, 0.2159, angle, friction=0.0),
         string=[{**pipe, "material": {"density": WEIGHT / 9.81 / AREA}}],
         top={"kind": "clamped"},
         bottom=bottom,
@@ -78,14 +76,7 @@ def test_a_stuck_string_is_pulled_by_a_given_force_through_a_bend(friction):
     stretch, by own integration of dF/ds = -(w cos I + mu |w sin I - F kappa|) in steps of 0.1 m."""
     straight, bent, length, angle, pull = 300.0, 900.0, 1600.0, float(np.radians(30.0)), 900e3
     data = case_data(held_string(length, 0.0, "clamped")) | {"top": {"kind": "top_drive", "force": pull}}
-    data["well"] = {
-        "survey": {
-            "md": [0, straight, bent, length],
-            "inclination": [0, 0, angle, angle],
-            "azimuth": [0] * 4,
-        },
-        "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": friction}],
-    }
+    data["well"] = simple_well([0, straight, bent, length], 0.2159, [0, 0, angle, angle], friction=friction)
     step, force, stretch = 0.1, pull, 0.0
     for s in np.arange(0.5 * step, length, step):
         tilt = angle * float(np.clip((s - straight) / (bent - straight), 0, 1))

@@ -9,6 +9,7 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.doubts.motion import UnbalancedVolumes
+from tests.helpers.wells import newtonian
 
 
 def lowered(speed: float) -> Case:
@@ -28,12 +29,9 @@ def lowered(speed: float) -> Case:
         ],
         top={"kind": "top_drive", "lowering": {"time": [0, 0.2], "value": [0, speed]}},
         bottom="free",
-        fluid={
-            "density": 1200,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "flow_rate": {"time": [0.2, 0.5], "value": [0.01, 0.005]},
-            "formulation": "hermite",
-        },
+        fluid=newtonian(
+            1200, 0.02, flow_rate={"time": [0.2, 0.5], "value": [0.01, 0.005]}, formulation="hermite"
+        ),
         initial={"from": "statics"},
         time={"end": 1.0},
     )

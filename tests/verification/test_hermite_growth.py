@@ -12,6 +12,7 @@ from drillpetsc.analysis.linear.modal import prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.solvers.linear.linearization import linearise
 from tests.helpers.tables import each_row
+from tests.helpers.wells import newtonian
 
 SCALE = 1e3  # [1/s]
 PIPE = {"kind": "pipe", "od": 0.127, "id": 0.1086, "element_length": 10.0}
@@ -44,17 +45,17 @@ def standing(kind: str) -> Case:
         string=string,
         top="clamped",
         **{"bottom": "free"} | more,
-        fluid={
-            "density": 1200.0,
-            "rheology": {"model": "newtonian", "viscosity": 0.0},
-            "bulk_modulus": 2e9,
-            "flow_rate": 0.0,
-            "outlet_pressure": 2e7 if "deep" in kind else 0.0,
-            "elastic_walls": "stiff" not in kind,
-            "lateral_damping": 0.0,
-            "swirl": "none",
-            "formulation": "hermite",
-        },
+        fluid=newtonian(
+            1200.0,
+            0.0,
+            bulk_modulus=2e9,
+            flow_rate=0.0,
+            outlet_pressure=2e7 if "deep" in kind else 0.0,
+            elastic_walls="stiff" not in kind,
+            lateral_damping=0.0,
+            swirl="none",
+            formulation="hermite",
+        ),
     )
 
 

@@ -22,6 +22,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.units import to_si
 from tests.helpers.tables import each_row
+from tests.helpers.wells import newtonian, simple_well
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 THREE_TWELVES = 3 * 0.25 * np.pi * (12 / 32 * INCH) ** 2
@@ -203,12 +204,7 @@ def test_densities_of_still_and_flowing_mud():
     c = case(
         [pipe(4000, 5, 4.276), bit(8.5)],
         well(("casing", 2000, 8.9), ("open_hole", 5000, 8.5), inclination=lean),
-        {
-            "density": 1300,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "outlet_pressure": 3e5,
-            "flow_line": 5.0,
-        },
+        newtonian(1300, 0.02, outlet_pressure=3e5, flow_line=5.0),
     )
     h = Hydraulics(c)
     found = h.at(0.04)
@@ -383,10 +379,7 @@ def test_a_pressure_that_no_pump_delivers_is_doubted_with_its_place(tmp_path):
                 pipe(500, 5, 4.276),
                 {"kind": "pipe", "name": "tool", "length": length, "od": hole - 2 * gap, "id": 0.1},
             ],
-            {
-                "survey": {"md": [0, 600], "inclination": [0, 0], "azimuth": [0, 0]},
-                "sections": [{"to": 600, "kind": "open_hole", "diameter": hole}],
-            },
+            simple_well(600, hole),
             {"density": 1000, "rheology": {"model": "newtonian", "viscosity": mu}, "bulk_modulus": 1e12},
             output={"units": "metric"},
         )

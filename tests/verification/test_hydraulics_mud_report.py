@@ -17,6 +17,7 @@ from drillpetsc.operations import Hydraulics as HydraulicsCommand
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.trips import trips_of
+from tests.helpers.wells import simple_well
 
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
 
@@ -125,10 +126,7 @@ def test_another_rheology_in_the_annulus_acts_in_tables_and_trips():
         case = Case(
             string=[{"kind": "pipe", "length": 1000, "od": 0.127, "id": 0.1086, "element_length": 50}],
             top="clamped",
-            well={
-                "survey": {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]},
-                "sections": [{"kind": "open_hole", "diameter": 0.2159}],
-            },
+            well=simple_well(1000, 0.2159),
             fluid={**STIFF, "density": 1200, "flow_rate": 0.005, **keys},
         )
         found[name] = Hydraulics(case).at(0.005)
@@ -156,10 +154,7 @@ def test_bare_numbers_have_the_units_of_the_case(tmp_path: Path):
         units="field",
         string=[{"kind": "pipe", "length": 3000, "od": 5, "id": 4.276, "element_length": 100}],
         top="clamped",
-        well={
-            "survey": {"md": [0, 3500], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"kind": "open_hole", "diameter": 8.5}],
-        },
+        well=simple_well(3500, 8.5),
         fluid={"density": 10.5, "rheology": {"pv": 20, "yp": 12}, "flow_rate": 400},
         window=str(tmp_path / "w.csv"),
     )

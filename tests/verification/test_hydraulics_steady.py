@@ -35,7 +35,7 @@ from tests.helpers.mud import (
     started,
     string,
 )
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 HEAD = DENSITY * GRAVITY * LENGTH
 TABLE = {
@@ -256,11 +256,7 @@ def test_the_pressure_outside_a_string_without_annulus_follows_its_input():
     """Stiff mud at rest in the bore alone: the open end has the outlet pressure, at the start and after its
     ramp in a run."""
     outlet = {"time": [0, 0.01, 0.02, 1], "value": ["2 bar", "2 bar", "5 bar", "5 bar"]}
-    fluid = {
-        "density": DENSITY,
-        "rheology": {"model": "newtonian", "viscosity": 1.0},
-        "outlet_pressure": outlet,
-    }
+    fluid = newtonian(DENSITY, 1.0, outlet_pressure=outlet)
     case = Case(
         string=[{"kind": "pipe", "length": 20, "od": 0.127, "id": 0.02, "element_length": 5}],
         hold_string=True,
@@ -287,12 +283,7 @@ def test_a_string_that_reaches_below_the_end_of_its_hole_has_a_steady_flow():
         top={"kind": "top_drive"},
         bottom="free",
         gravity=9.81,
-        fluid={
-            "density": 1200.0,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "bulk_modulus": 2e9,
-            "flow_rate": 0.01,
-        },
+        fluid=newtonian(1200.0, 0.02, bulk_modulus=2e9, flow_rate=0.01),
     )
     model = build_model(case)
     state = find_equilibrium(model)

@@ -14,14 +14,10 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import RESULT_NAMES
 from tests.helpers.joint_models import joint_component
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 WELL = simple_well(500, 0.2159, kind="casing", friction=0.0)
-MUD: dict[str, Any] = {
-    "density": 1200,
-    "rheology": {"model": "newtonian", "viscosity": 0.02},
-    "bulk_modulus": 2.2e9,
-}
+MUD: dict[str, Any] = newtonian(1200, 0.02, bulk_modulus=2.2e9)
 
 
 def case(seal: float, arm: float = 0.0, lengths=(120, 60, 40), **keys) -> Case:

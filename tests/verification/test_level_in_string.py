@@ -14,6 +14,7 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.case.writer import case_data
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from tests.helpers.wells import newtonian
 
 G, SEA = 9.80665, 1030.0
 BORE, OUTSIDE = np.pi / 4 * 0.15748**2, np.pi / 4 * 0.1778**2  # of 7 in tubing [m2]
@@ -105,11 +106,7 @@ def test_floated_casing_holds_air_below_the_collar(tmp_path: Path) -> None:
         ],
         top="clamped",
         bottom=PLUGGED,
-        fluid={
-            "density": mud,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "floated_length": floated,
-        },
+        fluid=newtonian(mud, 0.02, floated_length=floated),
         roadmap=plan,
     )
     folder = dp.roadmap(well, tmp_path / "out").folder

@@ -13,6 +13,7 @@ from drillpetsc.analysis.loads.limits.fatigue import read_sn
 from drillpetsc.analysis.loads.limits.strength import burst_pressure
 from drillpetsc.errors import CaseError
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 MPA, RPM = 1e6, math.pi / 30
 
@@ -21,10 +22,7 @@ MPA, RPM = 1e6, math.pi / 30
 def case() -> dp.Case:
     """Drill pipe that turns in a build of 3 deg/30 m, with mud that flows through a bit."""
     return dp.Case(
-        well={
-            "survey": {"md": [0, 100, 500], "inclination": [0, 0, "40 deg"], "azimuth": [0, 0, 0]},
-            "sections": [{"to": "end", "kind": "open_hole", "diameter": "8.5 in", "friction": 0.2}],
-        },
+        well=simple_well([0, 100, 500], "8.5 in", [0, 0, "40 deg"], friction=0.2),
         string=[
             dp.DrillPipe("5in 19.50 S-135 NC50 premium", length=480.0, element_length=10.0),
             dp.Bit(length=0.3, od="8.5 in", nozzles="3 x 12/32 in"),

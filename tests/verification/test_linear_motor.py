@@ -9,7 +9,7 @@ from scipy.optimize import fsolve
 import drillpetsc
 from drillpetsc import Case
 from drillpetsc.output import read_table
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 GJ, POLAR = 9.4156072e5, 1.1883776e-5 * 7850  # of 127 x 108.6 mm [N m2, kg m]
 SPEED = np.sqrt(GJ / POLAR)
@@ -125,11 +125,7 @@ def test_slow_answer_of_a_motor_without_load_in_mud(length, flow, viscosity, tmp
             ],
             top={"kind": "top_drive", "rotation": 0.0},
             bottom={"kind": "free"},
-            fluid={
-                "density": 1200.0,
-                "rheology": {"model": "newtonian", "viscosity": viscosity},
-                "flow_rate": rate,
-            },
+            fluid=newtonian(1200.0, viscosity, flow_rate=rate),
             initial={"from": "statics"},
             time={"end": 1.0},
         )

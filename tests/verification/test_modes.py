@@ -32,6 +32,7 @@ from tests.helpers.flow_models import build
 from tests.helpers.motion import straight
 from tests.helpers.moving import straight_model
 from tests.helpers.uniform_string import uniform_string
+from tests.helpers.wells import newtonian
 
 L, EA, EI, GJ, MASS, POLAR = 10.0, 2e7, 1.2e5, 9.4e4, 27.0, 0.09
 BETA_CANTILEVER = [
@@ -385,13 +386,7 @@ BORE = np.pi / 4 * ID**2
 
 def conveying(flow: float, length: float, elements: int, bulk_modulus: float, **case) -> dict:
     """A pipe with an inviscid fluid in rigid walls, without annulus; flow [m3/s]."""
-    fluid = {
-        "density": DENSITY,
-        "rheology": {"model": "newtonian", "viscosity": 0.0},
-        "bulk_modulus": bulk_modulus,
-        "flow_rate": flow,
-        "elastic_walls": False,
-    }
+    fluid = newtonian(DENSITY, 0.0, bulk_modulus=bulk_modulus, flow_rate=flow, elastic_walls=False)
     pipe = {"kind": "pipe", "length": length, "od": OD, "id": ID, "element_length": length / elements}
     return {"string": [pipe], "material": {"young": 206e9, "poisson": 0.0}, "fluid": fluid, **case}
 

@@ -16,7 +16,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from tests.helpers.tables import each_row
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 GJ = 9.4156072e5  # of 127 x 108.6 mm, E 206 GPa, nu 0.3 [N m2]
 PIPE = {"od": 0.127, "id": 0.1086}
@@ -382,12 +382,7 @@ def wet(torque: float, kind: str = "pdm", flow: Any = 0.028, **more: Any) -> dic
     )
     case = hung(200.0, torque) | {
         "well": simple_well(210, 0.2159, kind="casing", friction=0.0),
-        "fluid": {
-            "density": 1200,
-            "rheology": {"model": "newtonian", "viscosity": 0.02},
-            "flow_rate": flow,
-            "bulk_modulus": 2.2e9,
-        },
+        "fluid": newtonian(1200, 0.02, flow_rate=flow, bulk_modulus=2.2e9),
         "gravity": 9.81,
         "contact": "none",
     }

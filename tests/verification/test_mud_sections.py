@@ -18,6 +18,7 @@ from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
 from tests.helpers.tables import each_row
+from tests.helpers.wells import newtonian
 
 HOLE, LENGTH, BORE, OUTER = 0.2159, 9.0, 0.05, 0.19  # bore and outer diameter that the mud meets [m]
 VOLUME = np.pi / 4 * BORE**2 * LENGTH
@@ -51,13 +52,7 @@ def case(tool: dict | None = None, shoe: float | None = None, **keys: Any) -> dp
         "top": "clamped",
         "bottom": "free",
         "material": {"young": 1e14},
-        "fluid": {
-            "density": DENSITY,
-            "flow_rate": 0.002,
-            "rheology": {"model": "newtonian", "viscosity": VISCOSITY},
-            "bulk_modulus": 1e14,
-            "elastic_walls": False,
-        },
+        "fluid": newtonian(DENSITY, VISCOSITY, flow_rate=0.002, bulk_modulus=1e14, elastic_walls=False),
     }
     fluid = values["fluid"] | keys.pop("fluid", {})
     return dp.Case(**values | {"fluid": fluid} | keys)

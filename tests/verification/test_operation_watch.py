@@ -158,14 +158,7 @@ def test_statics_of_a_string_that_nothing_holds(tmp_path, inclination, mud):
 def test_a_free_end_at_the_end_of_its_hole_is_named(tmp_path):
     """700 m of casing on pipe, run in at 0.2 m/s in mud to the last metre: the mud that it displaces has no place below it."""
     case = Case(
-        well={
-            "survey": {
-                "md": [0, 500, 1000, 2000],
-                "inclination": list(np.radians([0, 0, 60, 60])),
-                "azimuth": [0.0] * 4,
-            },
-            "sections": [{"to": 2000, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well([0, 500, 1000, 2000], 0.2159, list(np.radians([0, 0, 60, 60])), friction=0.0),
         string=[PIPE | {"length": 1300.0}, {"kind": "pipe", "length": 700.0, "od": 0.1778, "id": 0.157}],
         top={"kind": "top_drive", "lowering": 0.1},
         bottom="free",

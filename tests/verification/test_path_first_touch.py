@@ -8,19 +8,19 @@ import pytest
 from drillpetsc import Case
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.wells import simple_well
 
 
 def hook_load(path: str | None) -> float:
     """Hook load [N] of a lowered string in a hole of 1500 m that builds 2 degrees, with friction 0.4."""
     case = Case(
-        well={
-            "survey": {
-                "md": [0.0, 500.0, 1000.0, 1500.0],
-                "inclination": [0.0, 0.0, np.radians(2.0), np.radians(2.0)],
-                "azimuth": [0.3] * 4,
-            },
-            "sections": [{"to": 1500.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.4}],
-        },
+        well=simple_well(
+            [0.0, 500.0, 1000.0, 1500.0],
+            0.2159,
+            [0.0, 0.0, np.radians(2.0), np.radians(2.0)],
+            0.3,
+            friction=0.4,
+        ),
         string=[
             {"kind": "pipe", "length": 1470.0, "od": 0.127, "id": 0.1086},
             {"kind": "pipe", "length": 30.0, "od": 0.1715, "id": 0.0714},

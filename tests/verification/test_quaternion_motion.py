@@ -18,6 +18,7 @@ from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from drillpetsc.physics.quaternion.beam import spun
 from tests.helpers.motion import beam, fixed, integrate, straight
+from tests.helpers.wells import simple_well
 
 FORMS = ("index3", "index2", "stabilized")
 SPEED, POLAR, STRING = 8.4, 0.05, 2.0
@@ -264,10 +265,7 @@ def test_the_error_control_works_on_the_motion_alone(tmp_path):
 
 
 PIPE = {"kind": "pipe", "length": 90, "od": 0.127, "id": 0.1086}
-WELL = {
-    "survey": {"md": [0, 100], "inclination": [0, 0], "azimuth": [0, 0]},
-    "sections": [{"to": 100, "kind": "casing", "diameter": 0.2159, "friction": 0.2}],
-}
+WELL = simple_well(100, 0.2159, kind="casing", friction=0.2)
 MUD = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}}
 
 

@@ -31,10 +31,7 @@ JOINT = {"kind": "universal", "at": 40.5}
 
 def keys_of_scene(element: str, length: float = 2.5, **more: Any) -> dict[str, Any]:
     """60 m in a bent hole: pipe, collar with unbalance and bend, stabilizer, collar, stabilizer, bit."""
-    well = {
-        "survey": {"md": [0, 30, 61], "inclination": [0.2, 0.3, 0.5], "azimuth": [0.1, 0.1, 0.3]},
-        "sections": [{"to": 61, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-    }
+    well = simple_well([0, 30, 61], 0.2159, [0.2, 0.3, 0.5], [0.1, 0.1, 0.3], friction=0.3)
     collar = {"kind": "pipe", "od": 0.1715, "id": 0.0714, "element_length": length}
     uneven = {"eccentricity": 0.003, "curvature": 1e-4}
     string = [

@@ -13,6 +13,7 @@ from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid import moving_hole
+from tests.helpers.wells import newtonian
 from tests.verification.test_reamer import LENGTH, PILOT_LENGTH, reaming
 from tests.verification.test_two_of_a_kind import two_reamers
 
@@ -28,11 +29,7 @@ def in_mud(case: dict, flow: float = 0.03, gravity: bool = True, **fluid: Any) -
     for item in case["string"]:
         if item["kind"] == "reamer":
             item |= {"body_od": 0.19, "blade_length": 0.4, "blade_position": 0.2}
-    case["fluid"] = {
-        "density": 1200,
-        "rheology": {"model": "newtonian", "viscosity": 0.02},
-        "flow_rate": flow,
-    } | fluid
+    case["fluid"] = newtonian(1200, 0.02, flow_rate=flow) | fluid
     if gravity:
         del case["gravity"]
     return case

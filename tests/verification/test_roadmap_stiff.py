@@ -13,6 +13,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
+from tests.helpers.wells import newtonian, simple_well
 from tests.verification.test_roadmap_command import INCLINE, PIPE, case, rows
 
 EAGLE = Path(__file__).parents[2] / "cases" / "field" / "eagle.yaml"
@@ -165,18 +166,11 @@ BIT = {"kind": "bit", "length": 0.3, "od": "215 mm", "id": "50 mm", "mass": 1.0,
 
 def flowing(**plan) -> Case:
     return Case(
-        well={
-            "survey": {"md": [0, 1000], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"kind": "open_hole", "diameter": "215.9 mm", "friction": 0.3}],
-        },
+        well=simple_well(1000, "215.9 mm", friction=0.3),
         string=[{**PIPE, "length": 999.7}, BIT],
         top={"kind": "top_drive"},
         gravity="9.81 m/s2",
-        fluid={
-            "density": DENSITY,
-            "bulk_modulus": 1e14,
-            "rheology": {"model": "newtonian", "viscosity": VISCOSITY},
-        },
+        fluid=newtonian(DENSITY, VISCOSITY, bulk_modulus=1e14),
         roadmap={"bit_depth": [1000.0], "friction_factor": {"open_hole": [0.0]}, **plan},
     )
 

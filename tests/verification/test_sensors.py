@@ -12,6 +12,7 @@ from drillpetsc import Case, Session, run
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
 from drillpetsc.output.sensors.files import read_sensor
+from tests.helpers.wells import newtonian
 
 G = 9.80665
 PIPE = {"kind": "pipe", "name": "dp", "od": 0.127, "id": 0.1086, "length": 20.0, "element_length": 5.0}
@@ -121,14 +122,9 @@ def test_pressure_of_the_mud(tmp_path):
         end=0.1,
         gravity=G,
         initial={"from": "statics"},
-        fluid={
-            "density": 1200.0,
-            "rheology": {"model": "newtonian", "viscosity": 1e-3},
-            "flow_rate": 0.0,
-            "annulus": False,
-            "outlet_pressure": 1200 * G * 20,
-            "bulk_modulus": 2e15,
-        },
+        fluid=newtonian(
+            1200.0, 1e-3, flow_rate=0.0, annulus=False, outlet_pressure=1200 * G * 20, bulk_modulus=2e15
+        ),
         bottom="free",
     )
     run(case, tmp_path / "r", progress="silent")

@@ -12,6 +12,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.wells import simple_well
 
 YOUNG, POISSON = 206e9, 0.3
 PIPES = ((0.127, 0.1086, 600.0), (0.1714, 0.0714, 200.0))  # od, id, length [m]
@@ -27,10 +28,7 @@ def string(lowering: float, rotation: float = 0.0, bottom: str = "clamped", **mo
     """Two pipes in a vertical hole without friction."""
     length = sum(q[2] for q in PIPES)
     return Case(
-        well={
-            "survey": {"md": [0.0, length], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": length, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(length, 0.2159, friction=0.0),
         string=[{"kind": "pipe", "od": a, "id": b, "length": c, "element_length": 20.0} for a, b, c in PIPES],
         top={"kind": "top_drive", "lowering": lowering, "rotation": rotation},
         bottom=bottom,

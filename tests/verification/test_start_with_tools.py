@@ -20,6 +20,7 @@ from drillpetsc.output.static_table import static_table
 from drillpetsc.physics.tools.reamer import Reamer
 from drillpetsc.solvers.static.search_limit import SearchLimit
 from drillpetsc.solvers.static.static_newton import StaticNewton
+from tests.helpers.wells import simple_well
 from tests.helpers.whole_string import COLLAR, JAR, MOTOR, SHOCK, combined, whole_string
 from tests.verification.test_lateral_start import MUD, counted
 
@@ -38,10 +39,7 @@ def jointed(*joints: float, element: float, mud: bool = False, **top: float) -> 
     """A vertical string of 3000 m with 80 kN on its bit and universal joints at depths [m]."""
     pipe = {"kind": "pipe", "element_length": element}
     return Case(
-        well={
-            "survey": {"md": [0.0, 3000.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 3000.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.25}],
-        },
+        well=simple_well(3000.0, 0.2159, friction=0.25),
         string=[
             {**pipe, "length": 2800.0, "od": 0.127, "id": 0.1086},
             {**pipe, "length": 199.5, "od": 0.1715, "id": 0.0714},

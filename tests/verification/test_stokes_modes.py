@@ -15,7 +15,7 @@ from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
 from tests.helpers import frequency_models as m
 from tests.helpers.command import main_succeeds
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 HOLE, MUD, L = 0.2159, 1200.0, 20.0
 #: viscosity [Pa s]: frequency [Hz] and damping ratio, as computed for this check (C22) before the code was written
@@ -31,12 +31,7 @@ def span(viscosity: float, elements: int = 16, **fluid) -> dict:
         "gravity": 0.0,
         "contact": "none",
         "well": simple_well(L, HOLE, kind="casing", friction=0.0),
-        "fluid": {
-            "density": MUD,
-            "rheology": {"model": "newtonian", "viscosity": viscosity},
-            "added_mass": "stokes",
-        }
-        | fluid,
+        "fluid": newtonian(MUD, viscosity, added_mass="stokes") | fluid,
         "initial": {"from": "straight"},
     }
 

@@ -26,6 +26,7 @@ from drillpetsc.output.job import Job
 from drillpetsc.physics.fluid import bit_flow
 from tests.helpers.tables import each_row
 from tests.helpers.trips import trips_of
+from tests.helpers.wells import simple_well
 
 GRAVITY = 9.80665
 STIFF = {"bulk_modulus": 1e14, "elastic_walls": False}
@@ -39,10 +40,7 @@ def vertical(
     return Case(
         string=[{"kind": "pipe", "length": length, "od": od, "id": bore, "element_length": length / 40}],
         top="clamped",
-        well={
-            "survey": {"md": [0, end], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"kind": "open_hole", "diameter": hole}],
-        },
+        well=simple_well(end, hole),
         fluid={**STIFF, **mud},
         **keys,
     )
@@ -300,10 +298,7 @@ def test_open_pipe_is_full_to_the_flow_line_wherever_its_top_is():
             "top": "clamped",
             "bottom": "bit",
             "initial": {"wob": 1e4},
-            "well": {
-                "survey": {"md": [0, 550], "inclination": [0, 0], "azimuth": [0, 0]},
-                "sections": [{"kind": "open_hole", "diameter": 0.2159}],
-            },
+            "well": simple_well(550, 0.2159),
             "fluid": {**STIFF, **mud},
         }
     )
@@ -330,10 +325,7 @@ def test_a_string_short_of_its_hole_trips_from_the_rig(tmp_path: Path):
         top="clamped",
         bottom="bit",
         initial={"wob": 1e4},
-        well={
-            "survey": {"md": [0, 800], "inclination": [0, 0.3], "azimuth": [0, 0]},
-            "sections": [{"kind": "open_hole", "diameter": 0.2159}],
-        },
+        well=simple_well(800, 0.2159, (0, 0.3)),
         fluid={**STIFF, "density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}},
         output={"units": "field"},
     )

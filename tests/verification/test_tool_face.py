@@ -10,6 +10,7 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 PIPE = {"kind": "pipe", "od": 0.1, "id": 0.06, "element_length": 2.0}
 DEG = np.pi / 180
@@ -100,14 +101,7 @@ def test_the_high_side_is_that_of_the_bend_in_a_well_that_leaves_the_vertical():
     """A well from vertical to 60 degrees at azimuth 90: directors transported from the top point north, which
     is the left of the inclined hole.  The axial vector k of the bend at tool face 0 satisfies k x t = high
     side, d t/d I."""
-    well = {
-        "survey": {
-            "md": [0, 100, 400, 500],
-            "inclination": [0, 0, 60 * DEG, 60 * DEG],
-            "azimuth": [90 * DEG] * 4,
-        },
-        "sections": [{"to": 500, "kind": "open_hole", "diameter": 0.2}],
-    }
+    well = simple_well([0, 100, 400, 500], 0.2, [0, 0, 60 * DEG, 60 * DEG], 90 * DEG)
     bend = {"angle": 1 * DEG, "tool_face": 0.0}
     string = [{**PIPE, "length": 450, "element_length": 5}, {**PIPE, "length": 50, "bend": bend}]
     model = build_model(Case(well=well, string=string, top="clamped"))

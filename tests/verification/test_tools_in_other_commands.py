@@ -14,6 +14,7 @@ from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.wells import newtonian
 
 NO_LOAD = 1.2e6
 BORE = {"od": "171.5 mm", "id": "71.4 mm"}
@@ -54,11 +55,7 @@ def case(tool: dict | None = None, shoe: float = 100.0, **keys) -> Case:
         "top": {"kind": "top_drive", "rotation": "60 rpm"},
         "bottom": "bit",
         "contact": {},
-        "fluid": {
-            "density": 1200,
-            "rheology": {"model": "newtonian", "viscosity": 0.01},
-            "flow_rate": "25 l/s",
-        },
+        "fluid": newtonian(1200, 0.01, flow_rate="25 l/s"),
         "initial": {"wob": "20 kN"},
     }
     return Case(**(given | keys))

@@ -15,6 +15,7 @@ from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from tests.helpers.wells import newtonian, simple_well
 
 RADIUS = 30 / np.radians(3)  # of the hole: 3 deg/30 m [m]
 WEIGHT, G, BIT = 242.0, 9.81, 60.0  # [N/m], [m/s2], [kg]
@@ -147,21 +148,14 @@ def test_the_push_of_mud_above_a_top_inside_the_hole_is_stated(units, tmp_path):
     """
     steel, area = np.pi / 4 * (0.127**2 - 0.1086**2) * 599.5 + 60.0 / 7850.0, np.pi / 4 * 0.127**2
     case = Case(
-        well={
-            "survey": {"md": [0.0, 1000.0], "inclination": [0.0, 0.0], "azimuth": [0.0, 0.0]},
-            "sections": [{"to": 1000.0, "kind": "open_hole", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(1000.0, 0.2159, friction=0.0),
         string=[
             {"kind": "pipe", "length": 599.5, "od": 0.127, "id": 0.1086, "element_length": 10.0},
             {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0},
         ],
         top={"kind": "top_drive"},
         bottom={"kind": "bit"},
-        fluid={
-            "density": 1200.0,
-            "rheology": {"model": "newtonian", "viscosity": 0.03},
-            "bulk_modulus": 1e12,
-        },
+        fluid=newtonian(1200.0, 0.03, bulk_modulus=1e12),
         gravity=9.81,
         initial={"from": "statics", "wob": 2e4},
         output={"units": units} if units != "SI" else {},

@@ -34,6 +34,7 @@ from tests.helpers.mud import (
     started,
     wall_stress,
 )
+from tests.helpers.wells import simple_well
 
 STIFF = {
     "axial_stiffness": 1e13,
@@ -293,10 +294,7 @@ def test_statics_of_a_string_that_is_lowered_fast(speed):
     loads = []
     for length in (8.0, 4.0):
         case = Case(
-            well={
-                "survey": {"md": [0, 600, 900], "inclination": ["0 deg", "80 deg", "80 deg"], "azimuth": ["0 deg", "35 deg", "35 deg"]},
-                "sections": [{"to": 900, "kind": "open_hole", "diameter": "8.75 in", "friction": 0.28}],
-            },
+            well=simple_well([0, 600, 900], "8.75 in", ["0 deg", "80 deg", "80 deg"], ["0 deg", "35 deg", "35 deg"], friction=0.28),
             string=[
                 {"kind": "drill_pipe", "length": 500, "pipe": "4in 14.00 E NC40 premium", "element_length": length},
                 {"kind": "drill_collar", "length": 49, "od": "6.25 in", "id": "2.25 in", "element_length": length / 4},

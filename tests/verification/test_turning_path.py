@@ -9,6 +9,7 @@ from drillpetsc import Case, statics
 from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
+from tests.helpers.wells import simple_well
 from tests.verification.test_roadmap_command import case
 from tests.verification.test_statics_report import BENDING, CLEARANCE, PIPE, WEIGHT, pushed, straight
 
@@ -155,14 +156,13 @@ def test_a_string_that_its_weight_pushes_into_a_level_hole_has_a_path(tmp_path) 
     """
     tubing = {"kind": "pipe", "od": 0.0603, "id": 0.0507, "element_length": 4.0}
     made = Case(
-        well={
-            "survey": {
-                "md": [0.0, 600.0, 900.0, 2200.0],
-                "inclination": [0.0, 0.0, np.pi / 2, np.pi / 2],
-                "azimuth": [0.0] * 4,
-            },
-            "sections": [{"to": 2200.0, "kind": "casing", "diameter": 0.1143, "friction": FRICTION}],
-        },
+        well=simple_well(
+            [0.0, 600.0, 900.0, 2200.0],
+            0.1143,
+            [0.0, 0.0, np.pi / 2, np.pi / 2],
+            kind="casing",
+            friction=FRICTION,
+        ),
         string=[{**tubing, "length": 2200.0}],
         top={"kind": "top_drive", "lowering": 0.2},
         bottom="free",

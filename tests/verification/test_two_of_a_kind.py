@@ -78,26 +78,6 @@ def test_two_agitators_shake_two_masses(upper, lower, masses, tmp_path):
         assert np.abs(found - travel).max() < 0.02 * np.abs(travel).max()
 
 
-def test_two_agitators_in_mud(tmp_path):
-    """The same flow turns both valves, each has its own force A_p dp, and the energy closes."""
-    case = agitators.with_mud()
-    pipe, first = case["string"]
-    second = {
-        **first,
-        "agitator": {**first["agitator"], "rev_per_volume": "0.8 rev/l", "piston_area": "40 cm2"},
-    }
-    case["string"] = [{**pipe, "length": 60.0}, first, {**pipe, "length": 30.0}, second]
-    summary = run(Case(**case), tmp_path / "run", progress="silent").summary
-    got = {k.split(" [")[0]: q for k, q in read_table(tmp_path / "run" / "history.csv").items()}
-    t = got["time"]
-    for prefix, force, frequency in (("agitator", 4309.2, 15.0), ("agitator_2", 6894.76, 24.0)):
-        found = got[f"{prefix}_force"]
-        assert np.abs(found).max() == pytest.approx(force, rel=1e-2)
-        ups = t[:-1][(found[:-1] < 0) & (found[1:] >= 0)]
-        assert 1 / np.diff(ups).mean() == pytest.approx(frequency, rel=0.03)
-    assert abs(summary["energy"]["error_share"]) < 1e-3
-
-
 # ---------------------------------------------------------------------- jars
 def test_two_jars_meter_together_and_the_first_to_end_its_stroke_fires(tmp_path: Path):
     """Two hydraulic jars under one weight give way at (W - T_i)/R_i each; one fires, the other meters again after its hit.
@@ -168,8 +148,7 @@ def two_reamers(sizes, energy, ratio, rpm, lowering, wob, mode="dynamic", **more
 SIZES = [(0.2159, 0.2667, 0.3112), (0.3112, 0.4064, 0.4445)]
 
 
-@pytest.mark.parametrize("mode", ["dynamic", "quasi_static"])
-@pytest.mark.parametrize("sizes", SIZES)
+@pytest.mark.parametrize(("sizes", "mode"), zip(SIZES, ("dynamic", "quasi_static"), strict=True))
 def test_weights_and_torques_of_two_reamers_add(sizes, mode, tmp_path):
     """Each ring has its share (a_i - a_(i-1))/a_n of the weight, all advance alike, and the hook takes their sum."""
     energy, ratio, rpm, both = 40e6, 0.6, 100.0, 60e3
@@ -200,26 +179,6 @@ def test_weights_and_torques_of_two_reamers_add(sizes, mode, tmp_path):
     if mode == "dynamic":
         work = both * 3.0 * rate + sum(torques) * rpm * np.pi / 30 * 3.0
         assert np.abs(history["energy_error [J]"]).max() < 0.01 * work
-
-
-def test_a_reamer_with_a_steerable_tool(tmp_path):
-    """A steerable tool between reamer and bit: the shares of the reamer do not change, the pads push their force."""
-    energy, ratio, rpm, both, bit, reamer = 30e6, 0.6, 120.0, 60e3, 0.2159, 0.2667
-    depth = both / (ratio * energy * 0.5 * reamer)
-    weights = expected(bit, reamer, energy, ratio, depth)
-    case = reaming(bit, reamer, energy, ratio, rpm, depth * rpm / 60, weights[0], "dynamic")
-    pipe, reamer_item, pilot, cutter = case["string"]
-    steer = {"kind": "push", "force": 3e3, "pad_offset": 1.0, "steer": {"tool_face": 1.0}}
-    rss = {"kind": "rss", "length": 3.0, "od": 0.1715, "id": 0.07, "mass": 420, "rss": steer}
-    case["string"] = [pipe, reamer_item, {**pilot, "length": pilot["length"] - 3.0}, rss, cutter]
-    del case["contact"]
-    history = read_table(run(Case(**case), tmp_path / "run", progress="silent").folder / "history.csv")
-    late = history["time [s]"] > 2.0
-    total = history["wob [N]"] + history["wob_reamer [N]"]
-    assert history["wob_reamer [N]"][late].mean() / total[late].mean() == pytest.approx(
-        1 - bit / reamer, rel=2e-2
-    )
-    assert history["steering_force [N]"] == pytest.approx(3e3, rel=1e-9)
 
 
 @pytest.mark.parametrize(

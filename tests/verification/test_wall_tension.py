@@ -18,6 +18,7 @@ from drillpetsc.analysis.loads.torque_drag.roadmap import run_roadmap
 from drillpetsc.case import Case
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
+from tests.helpers.wells import newtonian
 
 INCH, G, LENGTH, WEAK, DENSITY = 0.0254, 9.80665, 3000.0, 2000.0, 1800.0
 OUTER, BORE = 5 * INCH, 4.276 * INCH
@@ -32,13 +33,7 @@ def hanging(class_: str = "new", **keys: Any) -> Case:
         string=[pipe | {"length": WEAK}, pipe | {"length": LENGTH - WEAK, "yield_strength": 500e6}],
         top={"kind": "top_drive"},
         well={"survey": {"md": [0, 3100], "inclination": [0, 0], "azimuth": [0, 0]}, "sections": sections},
-        fluid={
-            "density": DENSITY,
-            "rheology": {"model": "newtonian", "viscosity": 1e-3},
-            "flow_rate": 0.0,
-            "bulk_modulus": 1e14,
-            "elastic_walls": False,
-        },
+        fluid=newtonian(DENSITY, 1e-3, flow_rate=0.0, bulk_modulus=1e14, elastic_walls=False),
         **keys,
     )
 

@@ -18,6 +18,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula
 from tests.helpers import frequency_models as m
+from tests.helpers.wells import simple_well
 
 HOLE, BLADES, RPM = 0.2159, 0.209, 95.0
 ROLLING = RPM / 60 * BLADES / (HOLE - BLADES)  # turns of the hole a second, by Jansen (1991)
@@ -26,10 +27,7 @@ ROLLING = RPM / 60 * BLADES / (HOLE - BLADES)  # turns of the hole a second, by 
 def case(blades: float = BLADES, rpm: float = RPM, **keys) -> Case:
     return Case(
         **{
-            "well": {
-                "survey": {"md": [0, 60], "inclination": [0.2, 0.2], "azimuth": [0, 0]},
-                "sections": [{"kind": "open_hole", "diameter": HOLE, "friction": 0.2}],
-            },
+            "well": simple_well(60, HOLE, 0.2, friction=0.2),
             "string": [
                 {"kind": "pipe", "length": 40.0, "od": 0.165, "id": 0.07, "element_length": 10.0},
                 {"kind": "stabilizer", "name": "lower", "length": 2.0, "od": blades, "id": 0.07},
@@ -136,10 +134,7 @@ def test_orbits_of_an_eccentric_collar(length, rpm, integrator, tmp_path):
     collar = m.collars(length, 10) | {"eccentricity": e}
     collar["material"] |= {"damping": {"stiffness": 0.0, "mass": c}}
     turning = Case(
-        well={
-            "survey": {"md": [0, 60], "inclination": [0, 0], "azimuth": [0, 0]},
-            "sections": [{"kind": "open_hole", "diameter": 0.3, "friction": 0.2}],
-        },
+        well=simple_well(60, 0.3, friction=0.2),
         string=[collar],
         top={"kind": "top_drive", "rotation": f"{rpm} rpm", "hinged": True},
         bottom="pinned",

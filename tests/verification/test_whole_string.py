@@ -8,8 +8,9 @@ from drillpetsc import Case, run
 from tests.helpers.whole_string import whole_string
 
 
-@pytest.mark.parametrize("cuttings", ["removed", "returned"])
-@pytest.mark.parametrize("two", [False, True], ids=["one of each", "two of some"])
+@pytest.mark.parametrize(
+    ("two", "cuttings"), [(False, "removed"), (True, "returned")], ids=["one of each", "two of some"]
+)
 def test_mass_and_energy_close(two, cuttings, tmp_path):
     """The shock sub below the reamer gives way by 6 mm under the weight, so the reamer starts that deep in its shoulder and cuts
     11 mm while the string moves by 1.5 mm: mud fills the difference, at 5 MPa.

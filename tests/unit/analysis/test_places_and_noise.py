@@ -12,6 +12,7 @@ from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case import load_case
 from drillpetsc.errors import CaseError, Interrupted, SolveError
 from drillpetsc.model.drilling_model import build_model
+from tests.helpers.wells import newtonian
 
 PIPE = {"kind": "pipe", "length": 30, "od": 0.127, "id": 0.1086, "element_length": 5}
 COLLAR = {
@@ -86,12 +87,7 @@ def test_check_of_a_held_string_keeps_gravity():
     data = {
         "string": [PIPE],
         "hold_string": True,
-        "fluid": {
-            "density": 1000,
-            "rheology": {"model": "newtonian", "viscosity": 1e-3},
-            "annulus": False,
-            "flow_rate": 0.01,
-        },
+        "fluid": newtonian(1000, 1e-3, annulus=False, flow_rate=0.01),
     }
     lines = describe(Case(**data)).splitlines()
     assert "gravity" in next(q for q in lines if "contains:" in q)

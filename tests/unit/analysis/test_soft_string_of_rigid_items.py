@@ -10,6 +10,7 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.model.drilling_model import build_model
 from tests.helpers.tables import each_row
+from tests.helpers.wells import simple_well
 
 G = 9.80665
 OD, ID, STEEL, MUD = 0.127, 0.1086, 7850.0, 1300.0
@@ -30,10 +31,7 @@ def test_hook_load_of_pipes_with_rigid_items(fluid, lean):
         {"kind": "bit", "length": 0.3, "od": 0.2159, "mass": 60},
     ]
     case = Case(
-        well={
-            "survey": {"md": [0, 300], "inclination": [lean, lean], "azimuth": [0, 0]},
-            "sections": [{"kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
-        },
+        well=simple_well(300, 0.2159, lean, friction=0.3),
         string=string,
         top="clamped",
         bottom="free",
@@ -64,10 +62,7 @@ def test_a_moment_at_the_end_is_part_of_the_torque(lean):
     """Without friction the top brings -M . t of a moment M on the lower end; the moment was left out."""
     moment = np.array([-300.0, -200.0, -400.0])
     case = Case(
-        well={
-            "survey": {"md": [0, 300], "inclination": [lean, lean], "azimuth": [0.4, 0.4]},
-            "sections": [{"kind": "casing", "diameter": 0.2159, "friction": 0.0}],
-        },
+        well=simple_well(300, 0.2159, lean, 0.4, kind="casing", friction=0.0),
         string=[{"kind": "pipe", "length": 250, "od": OD, "id": ID}],
         top={"kind": "top_drive", "rotation": 3.0},
         bottom={"kind": "force", "moment": list(moment)},

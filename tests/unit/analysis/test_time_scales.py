@@ -25,7 +25,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linear.linearization import linearise
 from drillpetsc.unit_systems import duration
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 
 ONE = {
     "string": [
@@ -130,14 +130,7 @@ def test_period_of_mud_bounds_that_of_the_mesh(tmp_path):
     case = {
         "hold_string": True,
         "string": [{"kind": "pipe", "length": 80.0, "od": 0.127, "id": 0.1086, "element_length": h}],
-        "fluid": {
-            "density": rho,
-            "bulk_modulus": bulk,
-            "rheology": {"model": "newtonian", "viscosity": 1e-3},
-            "flow_rate": 0.0,
-            "elastic_walls": False,
-            "annulus": False,
-        },
+        "fluid": newtonian(rho, 1e-3, bulk_modulus=bulk, flow_rate=0.0, elastic_walls=False, annulus=False),
         "top": "clamped",
         "bottom": "free",
         "gravity": [0, 0, 0],

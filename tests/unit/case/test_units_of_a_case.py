@@ -224,7 +224,10 @@ def test_string_of_the_tally_in_field_units() -> None:
             "od": "6 3/4 in",
             "id": "2 13/16 in",
             "joint_length": "30 ft",
+            "yield_strength": "105000 psi",
+            "bend": {"angle": "1 deg", "position": "100 ft"},
         },
+        {"kind": "coiled_tubing", "length": "30 ft", "od": "2 in", "wall": "0.156 in"},
         {
             "kind": "stabilizer",
             "length": "6 ft",
@@ -232,18 +235,23 @@ def test_string_of_the_tally_in_field_units() -> None:
             "blade_length": "18 in",
             "body_od": "6 3/4 in",
             "id": "2 13/16 in",
+            "bypass_area": "14 in2",
         },
         {**bit, "length": "1 ft"},
     ]
     bare: list[dict[str, Any]] = [
         {"kind": "drill_pipe", "length": 1000, "pipe": "5in 19.50 S-135 NC50 premium"},
         {"kind": "drill_pipe", "length": 100, "od": 5, "id": 4.276, "adjusted_weight": 22, "tool_joint": {**joint, "od": 6.5, "id": 3}},
-        {"kind": "drill_collar", "length": 180, "od": "6 3/4", "id": "2 13/16", "joint_length": 30},
-        {"kind": "stabilizer", "length": 6, "blade_od": "8 3/8", "blade_length": 18, "body_od": 6.75, "id": "2 13/16"},
+        {"kind": "drill_collar", "length": 180, "od": "6 3/4", "id": "2 13/16", "joint_length": 30, "yield_strength": 105e3,
+         "bend": {"angle": 1, "position": 100}},
+        {"kind": "coiled_tubing", "length": 30, "od": 2, "wall": 0.156},
+        {"kind": "stabilizer", "length": 6, "blade_od": "8 3/8", "blade_length": 18, "body_od": 6.75, "id": "2 13/16", "bypass_area": 14},
         {**bit, "length": 1, "od": 8.5},
     ]  # fmt: skip
-    expected = numbers(case_data(Case(string=texts, well=hole, top="clamped")))
-    found = numbers(case_data(Case(string=bare, well=hole, top="clamped", units="field")))
+    rig = {"block_weight": "60 klbf", "max_spp": "5000 psi"}
+    expected = numbers(case_data(Case(string=texts, well=hole, top="clamped", rig=rig)))
+    rig = {"block_weight": 60, "max_spp": 5000}
+    found = numbers(case_data(Case(string=bare, well=hole, top="clamped", rig=rig, units="field")))
     assert found.pop(".output.units") == "field" and found.keys() == expected.keys()
     for at, value in expected.items():
         assert found[at] == (pytest.approx(value, rel=1e-9) if isinstance(value, float) else value), at

@@ -30,6 +30,7 @@ from drillpetsc.plotting.run import hole_path
 from drillpetsc.plotting.run.plot import plot
 from drillpetsc.studies.sweep import sweep as sweep_module
 from drillpetsc.studies.sweep.table import Plan
+from tests.helpers.command import unrendered
 
 START = 100.0  # depth of the old hole, straight from the surface [m]
 COLUMNS = [
@@ -84,7 +85,7 @@ def density_sweep(folder: Path, inclination: float = 40.0) -> Path:
     return make_sweep(folder, "fluid,fluid.flow_rate,fluid.density|fluid.flow_rate (SI)", rows, holes)
 
 
-@pytest.mark.parametrize("inclination", [0.0, 2.0, 40.0, 89.0])
+@pytest.mark.parametrize("inclination", [0.0, 40.0])
 def test_every_picture_of_a_sweep_has_content(inclination: float, tmp_path: Path) -> None:
     files = draw_sweep(density_sweep(tmp_path / "out", inclination))
     assert [file.name for file in files] == list(SWEEP_PICTURES)
@@ -204,9 +205,9 @@ def test_build_rates_over_the_first_key_a_line_a_density(tmp_path: Path) -> None
 def test_other_sweeps(header: str, rows: list[str], pictures: int, tmp_path: Path) -> None:
     holes = [(40.0, 30.0, 0.1 * k, 0.0, 10.0 + k) for k in range(len(rows))]
     folder = make_sweep(tmp_path / "out", header, rows, holes)
-    assert [file.parent for file in plot(folder, tmp_path / "again")] == [
-        tmp_path / "again"
-    ] * pictures  # as `drillpetsc plot` draws them
+    with unrendered():
+        drawn = plot(folder, tmp_path / "again")  # as `drillpetsc plot` draws them
+    assert [file.parent for file in drawn] == [tmp_path / "again"] * pictures
 
 
 def test_failed_members_and_members_without_new_hole_are_not_drawn(tmp_path: Path) -> None:
@@ -251,7 +252,8 @@ def test_a_drawing_that_fails_does_not_fail_the_sweep(tmp_path: Path, capsys: py
     assert sweep_module._pictures(plan_of(tmp_path / "gone"), [{"drilled [m]": np.nan}, {}]) == []
     assert sweep_module._pictures(plan_of(tmp_path / "gone", "wells.csv"), drilled) == []
     assert capsys.readouterr().err == ""
-    assert len(sweep_module._pictures(plan_of(density_sweep(tmp_path / "out")), drilled)) == 3
+    with unrendered():
+        assert len(sweep_module._pictures(plan_of(density_sweep(tmp_path / "out")), drilled)) == 3
 
 
 def test_a_sweep_without_new_hole_imports_no_matplotlib(tmp_path: Path) -> None:
