@@ -70,7 +70,7 @@ def dogleg_severity(md: ArrayLike, tangent: ArrayLike, course: float = COURSE) -
     return out
 
 
-def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE) -> FloatArray:
+def refine_stations(well: Well, md: ArrayLike) -> FloatArray:
     """Add stations at which minimum curvature would miss the path of the well; returns all stations (m,) [m].
 
     Minimum curvature integrates the directions by the trapezoidal rule, and is exact at constant curvature.
@@ -78,14 +78,13 @@ def refine_stations(well: Well, md: ArrayLike, within: float = SURVEY_TOLERANCE)
     by 1/k^2 (manual: eq-borehole-survey-error).
 
     md: (n,) measured depths of the stations [m].
-    within: largest error from one station to the next [m].
     """
     s = np.asarray(md, dtype=float)
     x, t, _ = well.at(s)
     half = np.maximum(0.5 * dogleg(t[:-1], t[1:]), 1e-9)  # below this tan(x)/x is 1 up to rounding
     arc = 0.5 * (np.diff(s) * np.tan(half) / half)[:, None] * (t[:-1] + t[1:])
     missed = np.linalg.norm(np.diff(x, axis=0) - arc, axis=1)
-    pieces = np.maximum(np.ceil(np.sqrt(missed / within)), 1).astype(int)
+    pieces = np.maximum(np.ceil(np.sqrt(missed / SURVEY_TOLERANCE)), 1).astype(int)
     between = [np.linspace(a, b, k, endpoint=False) for a, b, k in zip(s[:-1], s[1:], pieces, strict=True)]
     return np.concatenate([*between, s[-1:]])
 

@@ -159,11 +159,9 @@ def coarsened(case: Case, factor: float) -> Case:
     return case.model_copy(update={"string": tuple(items), "mesh": mesh})
 
 
-def element_lengths(
-    case: Case, well: Well | None = None, motion: tuple[float, float] | None = None
-) -> ElementLengths:
+def element_lengths(case: Case, well: Well | None = None) -> ElementLengths:
     """Automatic element lengths of ``case`` with their reasons; arguments as in ``build_mesh``."""
-    return _element_ends(case, well, motion)[1]
+    return _element_ends(case, well, None)[1]
 
 
 def string_forces(case: Case, well: Well | None) -> StringForces:

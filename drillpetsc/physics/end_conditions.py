@@ -273,8 +273,8 @@ class RotaryDrive(Drive):
 
     name = "drive"
 
-    def __init__(self, rotation: Input, stiffness: float, damping: float, inertia: float, angle: float = 0.0):
-        self.rotation, self.angle = rotation, angle
+    def __init__(self, rotation: Input, stiffness: float, damping: float, inertia: float):
+        self.rotation = rotation
         self.constants = (stiffness, damping, inertia)
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
@@ -286,7 +286,7 @@ class RotaryDrive(Drive):
         angle, speed = params["angle"], params["speed"]
 
         def update(t: float) -> None:
-            angle[:] = self.angle + self.rotation.integral(t)
+            angle[:] = self.rotation.integral(t)
             speed[:] = self.rotation.value(t)
 
         self._block = ElementBlock(
@@ -306,7 +306,7 @@ class RotaryDrive(Drive):
             return 0.0
         here = state.layout.index(self._block)[0, 6]
         k, c, _ = self.constants
-        error = self.angle + self.rotation.integral(t) - state.x[here]
+        error = self.rotation.integral(t) - state.x[here]
         return float(k * error + c * (self.rotation.value(t) - state.y[here]))
 
     def energies(self, t: float, state) -> Energies:
@@ -314,7 +314,7 @@ class RotaryDrive(Drive):
             return Energies()
         here = state.layout.index(self._block)[0, 6]
         k, c, inertia = self.constants
-        error = self.angle + self.rotation.integral(t) - state.x[here]
+        error = self.rotation.integral(t) - state.x[here]
         return Energies(kinetic=0.5 * inertia * state.y[here] ** 2, strain=0.5 * k * error**2)
 
     def powers(self, t: float, state) -> Powers:

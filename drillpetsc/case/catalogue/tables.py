@@ -249,11 +249,11 @@ def _complete(path: Path, row: Row, cells: dict[str, Any]) -> None:
     def refuse(column: str, want: str, hint: str = "") -> CaseError:
         return CaseError(at=column, got=cells.get(column), want=want, hint=hint, file=path, line=row.line)
 
-    def agree(column: str, computed: float, tolerance: float = CONSISTENT) -> None:
+    def agree(column: str, computed: float) -> None:
         if column not in cells:
             cells[column] = round(computed, 4)
-        elif abs(cells[column] - computed) > tolerance * computed:
-            raise refuse(column, f"{computed:.4g}, from the dimensions of the row, within {tolerance:.0%}")
+        elif abs(cells[column] - computed) > CONSISTENT * computed:
+            raise refuse(column, f"{computed:.4g}, from the dimensions of the row, within {CONSISTENT:.0%}")
 
     if row.table in ("drill_pipe", "casing"):
         outer = cells["size"]

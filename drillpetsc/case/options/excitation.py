@@ -126,7 +126,7 @@ def read_excitation(
 LINE_NAMES = ("blades", "motor")
 
 
-def read_lines(text: str | Sequence[float | str], at: str = "--lines") -> tuple[float | str, ...]:
+def read_lines(text: str | Sequence[float | str]) -> tuple[float | str, ...]:
     """Read excitation lines: cycles per turn and ``LINE_NAMES``, such as ``1,2,3,motor``; CaseError for another word, or for a
     number that is not above 0.  Numbers come first, ascending."""
     parts = text.split(",") if isinstance(text, str) else list(text) if isinstance(text, Iterable) else [text]
@@ -141,7 +141,7 @@ def read_lines(text: str | Sequence[float | str], at: str = "--lines") -> tuple[
             value = -1.0
         if not 0 < value <= 1000:
             raise CaseError(
-                at=at,
+                at="--lines",
                 got=str(part).strip(),
                 want="cycles per turn, above 0, at most 1000, such as 1,2,3; or blades, or motor",
             )

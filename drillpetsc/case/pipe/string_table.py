@@ -35,12 +35,9 @@ def mass_per_length(item: Any) -> float | None:
     return float(ring(item.od, item.id)[0]) * float(item.material.density)
 
 
-def string_rows(case: Any, units: System | None = None) -> tuple[list[str], list[list[str]]]:
-    """(headings with units, cells) of the string table; an empty cell if an item has no such figure.
-
-    units: field, metric, metric_t or SI; by default the units of the case, or metric
-    """
-    system: System = units or case.shown_units
+def string_rows(case: Any) -> tuple[list[str], list[list[str]]]:
+    """(headings with units, cells) of the string table; an empty cell if an item has no such figure."""
+    system: System = case.shown_units
     rows = []
     for number, (item, (upper, lower)) in enumerate(zip(case.string, case.item_depths, strict=True)):
         figures = (upper, lower, item.od, item.id if item.od else None, mass_per_length(item))

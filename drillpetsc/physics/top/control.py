@@ -64,21 +64,15 @@ class Motor:
     lag: float = 0.0
 
 
-def top_impedance(law: Law, motor: Motor, frequency: FloatArray, exact_delay: bool = True) -> np.ndarray:
+def top_impedance(law: Law, motor: Motor, frequency: FloatArray) -> np.ndarray:
     """Compute the torsional impedance Z (k,) [N m s/rad] of a controlled top (manual: eq-top-drive-impedance).
 
     It is the torque of the pipe on the drive over the speed of the top, at a constant set point, within the limits.
 
     frequency: (k,) above 0 [Hz].
-    exact_delay: exp(-s t); False: the rational formula of second order that the model has as states.
     """
     s = 2j * np.pi * np.asarray(frequency, dtype=float)
-    late = law.delay
-    if exact_delay:
-        delay = np.exp(-s * late)
-    else:
-        delay = 1.0 - s * late / (1.0 + s * late / 2 + (s * late) ** 2 / 12)
-    lag = delay / (1.0 + s * motor.lag)  # from the controller's output to the torque
+    lag = np.exp(-s * law.delay) / (1.0 + s * motor.lag)  # from the controller's output to the torque
     C = lag * (law.p + law.i / s)
     low = 1.0 / (1.0 + s * law.low_pass)
     high = s * law.high_pass / (1.0 + s * law.high_pass) if law.high_pass > 0 else np.ones_like(s)

@@ -123,15 +123,15 @@ class AlphaFormula:
         """
         return 1 / 12 + 0.375 * ((1 - self.radius) / (1 + self.radius)) ** 2
 
-    def damped_product(self, loss: float = LOSS) -> float | None:
-        """Angular frequency times step above which a period takes more than ``loss`` of the amplitude.
+    def damped_product(self) -> float | None:
+        """Angular frequency times step above which a period takes more than ``LOSS`` of the amplitude.
 
         None if no frequency loses as much.
         """
         products = np.geomspace(1e-2, 1e2, 800)
         factors = np.array([self.amplification(p) for p in products])
         kept = np.abs(factors) ** (2 * np.pi / np.maximum(np.abs(np.angle(factors)), 1e-9))
-        found = np.flatnonzero(kept < 1 - loss)
+        found = np.flatnonzero(kept < 1 - LOSS)
         return float(products[found[0]]) if len(found) else None
 
 

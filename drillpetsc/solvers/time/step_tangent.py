@@ -67,7 +67,7 @@ class StepTangent:
         self.lost: dict[int, float] = {}
         self._make_call()
         self.read_only(None)
-        self._take_states(rates=True)
+        self._take_states()
         integrator.follower = self
         integrator.newton.iteration.serve_others()
         self._began = False
@@ -112,13 +112,12 @@ class StepTangent:
         """The derivative by the parameter ``k`` of values at the systems beside the run."""
         return np.asarray(sum(b.weight * v for b, v in zip(self.groups[k], values, strict=True)))
 
-    def _take_states(self, rates: bool) -> None:
+    def _take_states(self) -> None:
         """Take the derivatives from the states of the systems."""
         n = self.system.layout.size
         for k, group in enumerate(self.groups):
             self.x[k, :n] = self._difference(k, [b.system.assembly.x[:n] for b in group])
-            if rates:
-                self.y[k, :n] = self._difference(k, [b.system.assembly.y[:n] for b in group])
+            self.y[k, :n] = self._difference(k, [b.system.assembly.y[:n] for b in group])
 
     # ------------------------------------------------------------------ called by the integrator
     def change_states(self, t: float, changed: bool) -> None:
@@ -130,7 +129,7 @@ class StepTangent:
                     component.at_break(t, beside.system.assembly)
         self._beside.take_parts()
         if changed:
-            self._take_states(rates=True)
+            self._take_states()
 
     def start(self, t: float, jumped: bool) -> None:
         """The formula starts at ``t`` [s]; jumped: a prescribed velocity jumps."""
@@ -157,9 +156,8 @@ class StepTangent:
                 found.append((begin.rate_of_unknowns(), begin.second_derivative()))
             for i, out in enumerate(more):
                 out[k, :n] = self._difference(k, [q[i] for q in found])
-            self.y[k, :n] = self._difference(k, [b.system.assembly.y[:n] for b in group])
             self.a[k, :n] = self._difference(k, [b.system.assembly.a[:n] for b in group])
-        self._take_states(rates=True)
+        self._take_states()
         self.formula.start(t, self.x, self.y, self.a, *more)
 
     def stage(self, t: float, step: float) -> None:
