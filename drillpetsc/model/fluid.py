@@ -50,6 +50,7 @@ from drillpetsc.unit_systems import shown
 
 LEAST_OPEN = 1e-4  # share of the hole that must be open around a rigid item
 LEAST_BESIDE = 0.25  # share of the hole that bits and stabilizers leave open to mud that moves across it
+LARGEST_STRETCH = 0.005  # of a string over its length; steel yields before
 LARGEST_ECCENTRICITY = 0.98  # eccentricity [-] up to which the added mass is fitted
 CHI_ROUNDING = constant("chi_rounding")
 
@@ -272,9 +273,26 @@ def _bit_flow(
         end = _in_growing_hole(end, hole, f.cuttings == "returned")
     if f.formulation == "hermite":
         pair: Any = (bore_flow, annulus)  # both are Hermite channels
+        end = replace(end, volume=end.volume + end.hole * _continued(string, end))
         return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
     moving_hole = annulus.moving_hole if annulus is not None else None
     return BitFlow(last, end, constants, string.held_at, moving_hole, hole)
+
+
+def _continued(string: StringInMud, end: BitEnd) -> float:
+    """Length [m] of hole below a free lower end that its stretch or its lowering brings below the end of the hole.
+
+    There mud has to give way to the end; without it nothing would press on its face.
+    """
+    case = string.case
+    bottom, lowering, time = case.bottom, case.top.lowering, case.time
+    if not end.hole or string.held_at is not None or bottom.kind not in ("free", "force"):
+        return 0.0
+    above = float((end.end - string.position[-1]) @ end.axis) - end.face
+    way = 0.0
+    if lowering is not None and time is not None and time.end is not None:
+        way = max(0.0, *(lowering.integral(t) for t in (time.end, *lowering.breaks()) if t <= time.end))
+    return max(0.0, LARGEST_STRETCH * string.mesh.total_length + way - above)
 
 
 def _volumes_at_rest(

@@ -8,6 +8,7 @@ import pytest
 from scipy.linalg import eigh
 
 from drillpetsc import run as run_of_case
+from drillpetsc import statics
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.case import Case
@@ -395,3 +396,34 @@ def test_energy_of_a_pump_that_slows_down(formulation, tmp_path):
     )
     assert abs(energy["error_share"]) < 1e-3 and not named
     assert ("damped" in energy) == (formulation == "mixed")
+
+
+@pytest.mark.parametrize("formulation", BOTH)
+def test_a_free_end_that_stretch_and_lowering_bring_below_its_hole_keeps_its_buoyancy(formulation, tmp_path):
+    """A free string of 1500 m stretches by 0.3 m below the end of its hole, and is lowered by a metre more: the hook goes on to carry
+    (rho_s - rho_m) A g L, though the mud at its bit is less than that (0.2 m at the default bit_volume)."""
+    length, steel, mud = 1500.0, 7850.0, 1200.0
+    case = Case(
+        string=[pipe(length - 0.3, 50.0), {"kind": "bit", "length": 0.3, "od": 0.127, "id": 0.1086}],
+        well=simple_well(length, 0.2159),
+        contact="none",
+        top={
+            "kind": "top_drive",
+            "rotation": 0.0,
+            "lowering": {"time": [0.0, 10.0, 110.0], "value": [0.0, 0.01, 0.01]},
+        },
+        material={"damping": {"mass": 2.0}},
+        fluid={
+            "density": mud,
+            "rheology": WATER | {"viscosity": 0.005},
+            "bulk_modulus": 1e12,
+            "formulation": formulation,
+        },
+        initial={"imperfection": 0.0},
+        time={"end": 110.0},
+    )
+    weight = (steel - mud) * np.pi / 4 * (0.127**2 - 0.1086**2) * 9.80665 * length
+    assert statics(case, out=tmp_path / "still").summary["hook_load"] == pytest.approx(weight, rel=1e-3)
+    summary = run_of_case(case, tmp_path / "lowered").summary
+    assert summary["final"]["bit_depth [m]"] > length + 1.2
+    assert summary["final"]["hook_load [N]"] == pytest.approx(weight, rel=5e-3)
