@@ -13,7 +13,7 @@ from drillpetsc.analysis.sensitivities.motion.run_of_case import RunSeries
 from drillpetsc.case import Case
 from drillpetsc.parallel import initialise_petsc
 from tests.helpers.wells import simple_well
-from tests.verification.test_sensitivities_mud import INTEGRATORS, hanging
+from tests.verification.test_sensitivities_mud import INTEGRATORS
 from tests.verification.test_sensitivities_run import rock_bit, series_of
 
 RADIUS, TURNING = 0.108, 4 * np.pi
