@@ -381,6 +381,11 @@ class Component:
     #: a component beside a run whose history has left that of its leader so far that their difference says nothing
     strayed: bool = False
 
+    @property
+    def idle(self) -> bool:
+        """Whether ``accept`` would change nothing after this step; the same on all ranks."""
+        return False
+
     def follow(self, leader: Component, state: Any) -> None:
         """Renew in ``accept`` what ``leader`` has renewed after the same step, neither more nor less.
 

@@ -305,7 +305,7 @@ class DiscreteSystem:
             self._update_component(component, asm)
 
     def _update_component(self, component: Component, asm: Assembly) -> None:
-        if component.update_size:
+        if component.update_size and not component.idle:
             change = component.local_update(asm)
             component.apply_update(change if self._serial else total(self.comm, change))
 
@@ -324,6 +324,11 @@ class DiscreteSystem:
             component.accept_beside(t, theirs)
             for other, state in theirs:
                 self._update_component(other, state)
+
+    @property
+    def idle(self) -> bool:
+        """Whether ``accept`` would change nothing after this step; the same on all ranks."""
+        return all(component.idle for component in self._remembering)
 
     @property
     def strayed(self) -> bool:

@@ -13,7 +13,7 @@ from drillpetsc.analysis.sensitivities.motion.run_of_case import RunSeries
 from drillpetsc.case import Case
 from drillpetsc.parallel import initialise_petsc
 from tests.helpers.wells import simple_well
-from tests.verification.test_sensitivities_mud import INTEGRATORS
+from tests.verification.test_sensitivities_mud import CURVED, INTEGRATORS, hanging
 from tests.verification.test_sensitivities_run import rock_bit, series_of
 
 RADIUS, TURNING = 0.108, 4 * np.pi
@@ -202,3 +202,36 @@ def test_five_outputs_by_five_keys(name, integrator):
             gaps.append(np.abs(slopes[:, k] * key.size - (sides[1] - sides[0]) / (2 * step)))
         sizes = np.maximum(np.abs(values), np.abs(slopes[:, k] * key.size))
         assert (np.min(gaps, axis=0) < 2e-5 * sizes).all(), (key.name, np.min(gaps, axis=0) / sizes)
+
+
+@INTEGRATORS
+def test_drilling_in_mud(integrator):
+    """A bit that builds in flowing mud, its string on the wall of a curved hole: differences of runs with the same steps."""
+    string = [*hanging(integrator)._given.keys["string"][:2], {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0, "nozzle_area": 4e-4}]
+    case = hanging(
+        integrator,
+        **CURVED,
+        string=string,
+        bottom={"kind": "bit"},
+        material={"damping": {"stiffness": 1e-3}},
+        formation={"drillability": 4e-6, "bit_anisotropy": 0.2},
+        initial={"from": "statics", "wob": 20e3},
+        top={"kind": "top_drive", "rotation": {"time": [0.0, 0.5], "value": [5.0, 8.0]}, "lowering": 0.04},
+        time={"end": 0.6, "integrator": integrator},
+    )
+    names = ["formation.drillability", "top.lowering", "fluid.flow_rate.value[2]", "fluid.density"]
+    columns = ["hook_load", "pump_pressure", "surface_torque", "rop", "wob"]
+    run = series_of(case, names, columns)
+    assert run.flags == [""] * 4
+    for k, key in enumerate(key_of(case, n) for n in names):
+        own, full = run.slopes[:, :, k] * key.size, []
+        for step in (1e-3, 3e-4, 1e-4):
+            low, high = (
+                series_of(key.changed(case, key.value + sign * step * key.size), [], columns, run.steps).values
+                for sign in (-1, 1)
+            )
+            full.append((high - low) / (2 * step))
+        best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
+        sizes, values = np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
+        # the weight on bit is read from positions of 400 m, which are rounded
+        assert (best < 5e-4 * sizes + [2e-5, 2e-5, 2e-5, 2e-4, 2e-4] * values).all(), (key.name, best / sizes, best / values)

@@ -382,6 +382,10 @@ class RockBit(Bit):
         self._leader, self.hole.leader = leader, leader.hole
 
     @property
+    def idle(self) -> bool:
+        return not (self._leader is None or self.rock.post_step or self.hole.grows_to(0.0))
+
+    @property
     def remembers(self) -> bool:
         cuts = self.profiled or any(layer.drillability for layer in self.rock.layers)
         return bool(cuts or self.pattern or self.own_laws)

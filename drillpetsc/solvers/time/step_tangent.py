@@ -180,6 +180,8 @@ class StepTangent:
         self.formula.advance(t, self.x, self.y, self.a)
 
     def _accept(self, t: float, dt: float) -> None:
+        if all(beside.system.idle for group in self.groups for beside in group):
+            return
         self._beside.move(self.x, self.y, self.a)
         self._accept_here(t)
         self._beside.renew()

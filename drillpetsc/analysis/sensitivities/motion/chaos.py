@@ -25,10 +25,9 @@ def determined_until(times: FloatArray, values: FloatArray, slopes: FloatArray) 
     The derivative grows exponentially if the logarithm of its largest magnitude so far rises linearly over half of the run.
     """
     finite = np.isfinite(slopes)
-    if not finite.all():
-        lost = float(times[~finite][0])
-        return min(lost, _beyond(times[finite], values[finite], slopes[finite]))
-    return _beyond(times, values, slopes) if _grows(times, slopes) else np.inf
+    lost = np.inf if finite.all() else float(times[~finite][0])
+    times, values, slopes = times[finite], values[finite], slopes[finite]
+    return min(lost, _beyond(times, values, slopes)) if _grows(times, slopes) else lost
 
 
 def _beyond(times: FloatArray, values: FloatArray, slopes: FloatArray) -> float:
