@@ -30,6 +30,7 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.solvers.time.beside_systems import Beside
+from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
@@ -78,8 +79,11 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
         "a controller that samples": integrator is not None and integrator.sampler is not None,
         "an autodriller": case.top.autodriller is not None,
         "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
-        "constraints of joints, or of the quaternion element": system.constrained
-        or system.assembly.derive is not None,
+        "constraints of the quaternion element, or of stabilised joints": system.assembly.derive is not None
+        or system.assembly.stabilized
+        or any(c.has_constraints for c in system.components),
+        "joints and generalised-alpha together (time.integrator: bdf)": system.multipliers > 0
+        and isinstance(integrator, GeneralizedAlpha),
         "drilling fluid with formulation: hermite, or with dynamics: quasi_steady": mud is not None
         and (mud.formulation, mud.dynamics) != ("mixed", "full"),
         "a reamer in drilling fluid": model.fluid is not None and model.fluid.rings is not None,
