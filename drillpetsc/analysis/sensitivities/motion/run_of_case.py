@@ -49,6 +49,7 @@ class RunSeries:
     times: (m,) [s]; values: (m, columns) [SI]; slopes: (m, columns, keys) derivatives.
     steps: lengths of all steps [s]; seconds: processor time of the steps, with the derivatives [s].
     keys, flags: those that were followed, and the flag of each; skipped: the others, with the reasons.
+    events: times at which a law changes, such as of a jar, where columns may jump [s], with their derivatives (keys,).
     """
 
     times: FloatArray
@@ -59,6 +60,7 @@ class RunSeries:
     keys: list[Key]
     flags: list[str]
     skipped: dict[str, str]
+    events: list[tuple[float, FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,6 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
     system, bit, mud = model.system, model.bit, case.fluid
     has = {
         "a bit that cuts: its hole grows": isinstance(bit, RockBit) and _cuts(bit),
-        "events, such as of a jar": any(c.has_events for c in system.components),
         "a controller that samples": integrator is not None and integrator.sampler is not None,
         "an autodriller": case.top.autodriller is not None,
         "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
@@ -143,6 +144,11 @@ class RunOfCase:
     def freeze(self, steps: FloatArray) -> None:
         """Take these ``steps`` [s] instead of those of the step control."""
         self.integrator.freeze(steps)
+
+    @property
+    def has_events(self) -> bool:
+        """Whether laws may change at states of the run, such as that of a jar: changed cases have them at other times."""
+        return any(c.has_events for c in self.model.system.components)
 
     @property
     def mesh(self) -> MeshOf:
@@ -303,4 +309,5 @@ class _Run:
             self.keys,
             self.flags,
             self.skipped,
+            [] if self.tangent is None else self.tangent.events,
         )
