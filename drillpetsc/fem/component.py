@@ -299,6 +299,13 @@ class Component:
     def change_law(self, numbers: FloatArray) -> None:
         """Change to the next law."""
 
+    def event_distance(self, passed: FloatArray, numbers: FloatArray, leader: Any) -> float:
+        """How far ``numbers`` are beyond the limit at which ``leader``, the same component of a run, ends its law with the numbers ``passed``."""
+        return 0.0
+
+    def follow_law(self, leader: Any, numbers: FloatArray) -> None:
+        """Change to the law of ``leader``, the same component of a run, with one's own ``event_numbers``."""
+
     # ------------------------------------------------------------------ reference frames
     def renew_reference_frames(self, system: Any) -> bool:
         """Replace reference directions that are nearly opposite to the tangent; collective.

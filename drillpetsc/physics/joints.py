@@ -209,6 +209,17 @@ class Joints(Component):
             jar.switch(*own)
         self._set_jar()
 
+    def event_distance(self, passed: FloatArray, numbers: FloatArray, leader: Joints) -> float:
+        ends = [jar.ends(*own) for jar, own in zip(leader.jars, np.reshape(passed, (-1, 3)), strict=True)]
+        which = int(np.argmax([max(q) for q in ends]))
+        own = np.reshape(numbers, (-1, 3))[which]
+        return self.jars[which].ends(*own)[int(np.argmax(ends[which]))]
+
+    def follow_law(self, leader: Joints, numbers: FloatArray) -> None:
+        for jar, theirs, own in zip(self.jars, leader.jars, np.reshape(numbers, (-1, 3)), strict=True):
+            jar.follow(theirs, float(own[0]))
+        self._set_jar()
+
     def jars_beyond_latch(self, state) -> list[tuple[int, float, bool]]:
         """(item, load [N], whether it meters first) of the latched jars on this rank whose load lies beyond their latch."""
         rows = self.event_numbers(state).reshape(-1, 3)

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from petsc4py import PETSc
+from scipy.optimize import brentq
 
 from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
 from drillpetsc.analysis.sensitivities.keys import key_of
@@ -320,3 +321,87 @@ def test_words_of_outputs():
         with pytest.raises(CaseError) as error:
             parsed_outputs([word], ["wob"], 4.0)
         assert said in str(error.value)
+
+
+# ---------------------------------------------------------------------- joints and events
+def test_joint_with_frozen_steps():
+    """A body of 2 t that falls on the spring of a shock sub: hook load by spring and mass, 2e-5 of the largest."""
+    pipe = {"kind": "pipe", "length": 5, "element_length": 5, "od": 0.1778, "id": 0.0714}
+    sub = {
+        "kind": "shock_sub",
+        "od": 0.1778,
+        "id": 0.0714,
+        "length": 2.0,
+        "joint_at": 0.5,
+        "stiffness": 6e5,
+        "damping": 5e3,
+    }
+    case = Case(
+        string=[pipe, sub, pipe, {"kind": "body", "length": 0.5, "mass": 2000}],
+        top="clamped",
+        initial={"from": "rest", "imperfection": 0},
+        time={"end": 0.4, "integrator": "bdf"},
+        petsc={"ts_rtol": "1e-5"},
+    )  # fmt: skip
+    names = ["string[1].stiffness", "string[3].mass"]
+    run = series_of(case, names, ["hook_load"])
+    for k, key in enumerate(key_of(case, n) for n in names):
+        low, high = (
+            series_of(key.changed(case, key.value * (1 + sign * 1e-4)), [], ["hook_load"], run.steps).values
+            for sign in (-1, 1)
+        )
+        own, full = run.slopes[:, 0, k] * key.size, (high - low)[:, 0] / 2e-4
+        assert np.abs(own).max() > 5e4
+        assert np.abs(own - full).max() < 2e-5 * np.abs(own).max()
+    data = case._given.keys | {"time": {"end": 0.4, "integrator": "generalized_alpha"}}
+    with pytest.raises(CaseError) as error:
+        RunOfCase(Case(**data), PETSc.COMM_SELF)
+    assert "time.integrator: bdf" in error.value.want
+
+
+def test_jar_that_fires(tmp_path):
+    """A body below a jar, m v' = W - h - c v from the latch's give W/k on; after the metering stroke s, at t*, it falls freely.
+
+    Travel and mean force (W t - m v) by h, c and s before and after t*, differentiated by differences of the closed form; 1e-3 of the
+    largest effect, which the formula's start after the event has at steps of 1e-4 s.
+    """
+    pipe = {"kind": "pipe", "length": 5, "element_length": 5, "od": 0.1778, "id": 0.0714}
+    law = {"stroke": 0.1, "threshold": 1.5e4, "metering_resistance": 2e5, "metering_stroke": 0.02}
+    jar = {"kind": "jar", "length": 2.0, "joint_at": 0.5, "od": 0.1778, "id": 0.0714, "jar": law}
+    case = Case(
+        string=[pipe, jar, pipe, {"kind": "body", "length": 0.5, "mass": 2000}],
+        top="clamped",
+        material={"young": 1e14, "density": 7850, "damping": {"stiffness": 1e-5}},
+        time={"end": 0.38, "integrator": "bdf"},
+        petsc={"ts_rtol": "1e-6"},
+    )
+    names = [f"string[1].jar.{name}" for name in ("threshold", "metering_resistance", "metering_stroke")]
+    columns, end = ["jar_stroke", "joint_5.5_force"], 0.38
+    run = series_of(case, names, columns)
+    mass = 2000 + 7850 * np.pi / 4 * (0.1778**2 - 0.0714**2) * 6.5
+    weight = mass * 9.80665
+
+    def motion(p: FloatArray, t: FloatArray) -> tuple[FloatArray, float, float]:
+        """Travel (m,) at t, time of the event and impulse of the force until then."""
+        speed, lag = (weight - p[0]) / p[1], mass / p[1]
+        travel = lambda s: weight / 1e9 + speed * (s - lag * (1 - np.exp(-s / lag)))  # noqa: E731
+        event = brentq(lambda s: travel(s) - p[2], 0.01, 1.0)
+        then = speed * (1 - np.exp(-event / lag))
+        free = p[2] + then * (t - event) + 0.5 * 9.80665 * (t - event) ** 2
+        return np.where(t < event, travel(t), free), event, weight * event - mass * then
+
+    p = np.array([1.5e4, 2e5, 0.02])
+    apart = np.abs(run.times - run.events[-1][0]) > 2e-4
+    for k in range(3):
+        step = 1e-4 * p[k] * np.eye(3)[k]
+        sides = [motion(p + sign * step, run.times) for sign in (-1, 1)]
+        travel, event, impulse = ((high - low) / 2e-4 for low, high in zip(*sides, strict=True))
+        own = run.slopes[:, 0, k] * p[k]
+        assert np.abs(own - travel)[apart].max() < 1e-3 * np.abs(travel).max()
+        assert run.events[-1][1][k] * p[k] == pytest.approx(event, rel=1e-3)
+        (mean,) = parsed_outputs(["joint_5.5_force.mean"], columns, end)
+        _, slopes = mean.of(run.times, run.values[:, 1], run.slopes[:, 1], run.events)
+        assert slopes[k] * p[k] == pytest.approx(impulse / end, rel=2e-3)
+    with pytest.raises(CaseError) as error:
+        run_sensitivities(Job(case, tmp_path / "r"), Question("run", ["jar_stroke.mean"], names, check=1))
+    assert error.value.at == "--check"

@@ -56,13 +56,22 @@ class Jar:
 
     def passed(self, travel: float, speed: float, force: float) -> bool:
         """Whether the state has ended at the present travel [m], speed [m/s] and force [N, tension positive]."""
-        law = self.law
+        first, *others = self.ends(travel, speed, force)
+        return max(first, *others) > 0.0 or (first == 0.0 and self.mode != LATCHED)
+
+    def ends(self, travel: float, speed: float, force: float) -> list[float]:
+        """How far travel [m], speed [m/s] and force [N, tension positive] are beyond each limit at which the state ends."""
+        law, never = self.law, -np.inf
         if self.mode == LATCHED:
-            beyond = (law.up and force > law.threshold) or (law.down and force < -law.threshold)
-            return beyond or (self.place != 0.0 and self.side * force < -PUSHED * law.threshold)
+            pushed = -self.side * force - PUSHED * law.threshold if self.place != 0.0 else never
+            return [
+                force - law.threshold if law.up else never,
+                -force - law.threshold if law.down else never,
+                pushed,
+            ]
         if self.mode == METERING:
-            return self.side * travel >= law.metering or self.side * speed < -TURNED_BACK
-        return self.side * travel <= 0.0 or (self.returning and self.side * speed > TURNED_BACK)
+            return [self.side * travel - law.metering, -self.side * speed - TURNED_BACK]
+        return [-self.side * travel, self.side * speed - TURNED_BACK if self.returning else never]
 
     def switch(self, travel: float, speed: float, force: float) -> None:
         """Change to the next state."""
@@ -83,6 +92,20 @@ class Jar:
         else:
             self.mode, self.load = LATCHED, 0.0
             self.place = travel if self.returning and self.side * travel > 0 else 0.0
+
+    def follow(self, leader: Jar, travel: float) -> None:
+        """Change to the state of ``leader``, a jar of which this one differs a little, with one's own latch at the travel [m]."""
+        if self.mode == leader.mode:
+            return
+        self.mode, self.side, self.fired, self.returning = (
+            leader.mode,
+            leader.side,
+            leader.fired,
+            leader.returning,
+        )
+        if self.mode == LATCHED:
+            self.load = self.side * self.law.threshold if leader.load else 0.0
+            self.place = travel if leader.place else 0.0
 
     def numbers(self) -> FloatArray:
         """All that changes, for a checkpoint."""

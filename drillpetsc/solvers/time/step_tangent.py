@@ -13,10 +13,12 @@ import numpy as np
 
 from drillpetsc.arrays import FloatArray, IntArray
 from drillpetsc.errors import SolveError
+from drillpetsc.fem.component import Component
 from drillpetsc.kernels import address, function, pointer
 from drillpetsc.kernels.parameters import structure
 from drillpetsc.solvers.time.beside_systems import Beside, BesideSystems
 from drillpetsc.solvers.time.consistent_start import ConsistentStart
+from drillpetsc.solvers.time.event_derivatives import EventDerivatives
 from drillpetsc.solvers.time.formula_derivatives import AlphaDerivatives, BdfDerivatives
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.given_motion import GivenCall, GivenMotion
@@ -71,6 +73,8 @@ class StepTangent:
         integrator.follower = self
         integrator.newton.iteration.serve_others()
         self._began = False
+        #: times of events [s] and their derivatives (k,)
+        self.events: list[tuple[float, FloatArray]] = []
         self.system.lead([b.system for group in groups for b in group])
         if self._remember:
             integrator.after_step.append(self._accept)
@@ -130,6 +134,20 @@ class StepTangent:
         self._beside.take_parts()
         if changed:
             self._take_states()
+
+    def change_law(self, t: float, component: Component, numbers: FloatArray) -> None:
+        """As of ``Follower``."""
+        n, events = (
+            self.system.layout.size,
+            EventDerivatives(ConsistentStart(self.integrator.newton), self.groups),
+        )
+        self._beside.move(self.x, self.y, self.a)
+        shifts, *jumps = events.jump(t, component, numbers, lambda: component.change_law(numbers))
+        for mine, jump in zip((self.x, self.y), jumps, strict=True):
+            mine[:, :n] += jump
+        self.events.append((t, shifts))
+        self._beside.take_parts()
+        self.start(t, False)
 
     def start(self, t: float, jumped: bool) -> None:
         """The formula starts at ``t`` [s]; jumped: a prescribed velocity jumps."""

@@ -70,6 +70,9 @@ class Follower(Protocol):
     def stage(self, t: float, step: float) -> None:
         """A stage of the first ``step`` [s] after a start is solved, at ``t`` [s]."""
 
+    def change_law(self, t: float, component: Component, numbers: FloatArray) -> None:
+        """Let ``component`` change its law at ``t`` [s] with its ``event_numbers``; the formula starts again."""
+
     def step(self, t: float) -> None:
         """A step to ``t`` [s] is solved and accepted; what components carry from step to step is still that of its solution."""
 
@@ -342,7 +345,10 @@ class TimeIntegrator:
         for call in self.before_event:
             call(t)
         for component, numbers in passed:
-            component.change_law(numbers)
+            if self.follower is None:
+                component.change_law(numbers)
+            else:
+                self.follower.change_law(t, component, numbers)
         for call in self.after_event:
             call(t)
         self._restart_after_event(t)

@@ -61,6 +61,9 @@ def run_sensitivities_of_run(
     case = job.case
     with options.applied(case.petsc), converged():
         run = RunOfCase(case, job.comm)
+        if check and run.has_events:
+            want = "0: changed cases have the events of the jar at other times, and cannot take the steps of this run"
+            raise CaseError(at="--check", got=str(check), want=want)
         end = float(case.given_time.end)
         outputs = parsed_outputs(
             asked or [w for w in USUAL if w.partition(".")[0] in run.names], run.names, end
@@ -148,7 +151,8 @@ def _numbers(outputs: Sequence[RunOutput], columns: Sequence[str], series: RunSe
     """Value and derivatives (k,) of each output."""
     at = [columns.index(q.column) for q in outputs]
     return [
-        q.of(series.times, series.values[:, i], series.slopes[:, i]) for q, i in zip(outputs, at, strict=True)
+        q.of(series.times, series.values[:, i], series.slopes[:, i], series.events)
+        for q, i in zip(outputs, at, strict=True)
     ]
 
 
@@ -224,7 +228,8 @@ class _Repeated:
         case = key.changed(self.case, key.value + change)
         with options.applied(case.petsc), converged():
             run = RunOfCase(case, self.comm)
-            run.freeze(self.series.steps)
+            if not run.has_events:
+                run.freeze(self.series.steps)
             series = run.series([], self.columns)
         if len(series.steps) != len(self.series.steps) or not np.allclose(series.steps, self.series.steps):
             raise SolveError("Newton's method fails with the steps of the run")

@@ -12,6 +12,7 @@ from drillpetsc.arrays import FloatArray, halves_at_nodes
 from drillpetsc.case.key_paths import suggestion
 from drillpetsc.errors import CaseError
 
+Events = Sequence[tuple[float, FloatArray]]
 STATISTICS = ("mean", "rms", "max", "final")
 _FORM = re.compile(r"([\w.]+?)(?:\.(mean|rms|max|final))?(?:\[([^:\]]*):([^:\]]*)\])?")
 
@@ -28,8 +29,13 @@ class RunOutput:
     window: tuple[float, float]
     name: str
 
-    def of(self, times: FloatArray, values: FloatArray, slopes: FloatArray) -> tuple[float, FloatArray]:
-        """The number, and its derivatives (k,).  times: (m,) [s]; values: (m,); slopes: (m, k) derivatives of the values."""
+    def of(
+        self, times: FloatArray, values: FloatArray, slopes: FloatArray, events: Events = ()
+    ) -> tuple[float, FloatArray]:
+        """The number, and its derivatives (k,).  times: (m,) [s]; values: (m,); slopes: (m, k) derivatives of the values.
+
+        events: times at which values may jump to those of the next row, with the derivatives (k,) of these times.
+        """
         inside = (times >= self.window[0] - 1e-9) & (times <= self.window[1] + 1e-9)
         t, v, s = times[inside], values[inside], slopes[inside]
         if not len(t):
@@ -42,9 +48,20 @@ class RunOutput:
             return float(v[top]), s[top]
         weight = halves_at_nodes(np.diff(t)) / (t[-1] - t[0])
         if self.statistic == "mean":
-            return float(weight @ v), weight @ s
+            return float(weight @ v), weight @ s + _by_jumps(t, v, events)
         size = float(np.sqrt(weight @ v**2))
-        return size, (weight * v) @ s / size if size else np.zeros(s.shape[1])
+        more = 0.5 * _by_jumps(t, v**2, events)
+        return size, ((weight * v) @ s + more) / size if size else np.zeros(s.shape[1])
+
+
+def _by_jumps(times: FloatArray, values: FloatArray, events: Events) -> FloatArray | float:
+    """Derivatives (k,) of a mean by the moments at which the values jump."""
+    out: FloatArray | float = 0.0
+    for moment, slopes in events:
+        at = int(np.searchsorted(times, moment))
+        if times[0] < moment and at + 1 < len(times):
+            out = out + (values[at] - values[at + 1]) / (times[-1] - times[0]) * slopes
+    return out
 
 
 def parsed_outputs(asked: Sequence[str], columns: Sequence[str], end: float) -> list[RunOutput]:

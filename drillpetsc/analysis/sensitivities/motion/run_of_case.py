@@ -29,6 +29,7 @@ from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
 from drillpetsc.solvers.time.beside_systems import Beside
+from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
@@ -47,6 +48,7 @@ class RunSeries:
     times: (m,) [s]; values: (m, columns) [SI]; slopes: (m, columns, keys) derivatives.
     steps: lengths of all steps [s]; seconds: processor time of the steps, with the derivatives [s].
     keys, flags: those that were followed, and the flag of each; skipped: the others, with the reasons.
+    events: times at which a law changes, such as of a jar, where columns may jump [s], with their derivatives (keys,).
     """
 
     times: FloatArray
@@ -57,6 +59,7 @@ class RunSeries:
     keys: list[Key]
     flags: list[str]
     skipped: dict[str, str]
+    events: list[tuple[float, FloatArray]]
 
 
 @dataclass(frozen=True)
@@ -72,12 +75,14 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
     """Raise CaseError for what the derivatives do not follow, in the run or beside it.  integrator: of the run."""
     system, mud = model.system, case.fluid
     has = {
-        "events, such as of a jar": any(c.has_events for c in system.components),
         "a controller that samples": integrator is not None and integrator.sampler is not None,
         "an autodriller": case.top.autodriller is not None,
         "functions of the user": any(c.own_laws for c in system.components) or bool(case.components),
-        "constraints of joints, or of the quaternion element": system.constrained
-        or system.assembly.derive is not None,
+        "constraints of the quaternion element, or of stabilised joints": system.assembly.derive is not None
+        or system.assembly.stabilized
+        or any(c.has_constraints for c in system.components),
+        "joints and generalised-alpha together (time.integrator: bdf)": system.multipliers > 0
+        and isinstance(integrator, GeneralizedAlpha),
         "drilling fluid with formulation: hermite, or with dynamics: quasi_steady": mud is not None
         and (mud.formulation, mud.dynamics) != ("mixed", "full"),
         "a reamer in drilling fluid": model.fluid is not None and model.fluid.rings is not None,
@@ -133,6 +138,11 @@ class RunOfCase:
     def freeze(self, steps: FloatArray) -> None:
         """Take these ``steps`` [s] instead of those of the step control."""
         self.integrator.freeze(steps)
+
+    @property
+    def has_events(self) -> bool:
+        """Whether laws may change at states of the run, such as that of a jar: changed cases have them at other times."""
+        return any(c.has_events for c in self.model.system.components)
 
     @property
     def mesh(self) -> MeshOf:
@@ -296,4 +306,5 @@ class _Run:
             self.keys,
             self.flags,
             self.skipped,
+            [] if self.tangent is None else self.tangent.events,
         )
