@@ -7,9 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.linalg
 from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from drillpetsc import Case, run
 from drillpetsc.fem.component import Component, PrescribedMotion
@@ -134,32 +132,6 @@ def test_tolerance_controls_the_error_of_the_pendulum(independent):
 
 
 # ---------------------------------------------------------------------- torsion
-def test_torsional_frequencies_with_a_heavy_bit():
-    """2000 m of drill pipe, J = 300 kg m2 at the free end: x tan x = (string inertia)/J with x = omega L/c;
-    .180895 and .840968 Hz (manual: verif-torsion-modes)."""
-    pipe = {"kind": "pipe", "length": 2000.0, "od": 0.127, "id": 0.1086, "element_length": 20.0}
-    bit = {"kind": "body", "length": 0.0, "mass": 1.0, "inertia": {"axial": 300.0, "transverse": 1.0}}
-    m = straight(
-        string=[pipe, bit],
-        top="clamped",
-        bottom="free",
-        gravity=0.0,
-        material={"young": 206e9, "poisson": 0.3, "density": 7850.0},
-    ).system
-    K, _, M = moving.matrices(m)
-    spin = m.layout.dofs["string.spin"][1:, 0]
-    found = (
-        np.sqrt(scipy.linalg.eigh(K[np.ix_(spin, spin)], M[np.ix_(spin, spin)], eigvals_only=True)[:2])
-        / 2
-        / np.pi
-    )
-    speed, share = np.sqrt(206e9 / 2.6 / 7850.0), 7850.0 * 2 * 5.941888e-6 * 2000.0 / 300.0
-    exact = [
-        brentq(lambda x: x * np.tan(x) - share, a + 1e-9, a + np.pi / 2 - 1e-9) * speed / 2000 / 2 / np.pi
-        for a in (0.0, np.pi)
-    ]
-    assert exact == pytest.approx([0.180895, 0.840968], rel=1e-5)
-    assert found == pytest.approx(exact, rel=1e-4)
 
 
 def test_a_jump_of_the_rotation_in_a_case_file(tmp_path):

@@ -24,6 +24,11 @@ from tests.helpers.wells import simple_well
 def table(case: dict, folder: Path, place: str, **options) -> dict[str, np.ndarray]:
     """Columns of response.csv at a place."""
     drillpetsc.response(Case(**case), folder, overwrite=True, **options)
+    return at(folder, place)
+
+
+def at(folder: Path, place: str) -> dict[str, np.ndarray]:
+    """Columns at a place of a table that has been written."""
     found = read_table(folder / "response.csv")
     rows = found["place [-]"] == place
     return {name.split(" [")[0]: values[rows] for name, values in found.items()}
@@ -201,7 +206,7 @@ def test_damped_force_and_torque(tmp_path):
         exact = load / (stiffness * complex_part * k) * np.tan(k * L)
         assert end[f"{motion}_amplitude"] == pytest.approx(np.abs(exact), rel=2e-3)
         assert end[f"{motion}_phase"] == pytest.approx(np.degrees(np.angle(exact)), abs=0.3)
-        top = table(case, tmp_path, "top", **options)
+        top = at(tmp_path, "top")
         assert top[f"{force}_amplitude"] == pytest.approx(np.abs(load / np.cos(k * L)), rel=2e-3)
 
 
@@ -215,13 +220,12 @@ THREE = [
 ]
 
 
-@pytest.mark.parametrize("excite", ["tool", "400 m"])
 @pytest.mark.parametrize(
-    ("what", "stiffness", "wave_speed", "motion", "force"),
+    ("excite", "what", "stiffness", "wave_speed", "motion", "force"),
     [
-        ("5 kN", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
-        ("1 kN m", m.GJ, m.TORSIONAL_SPEED, "twist", "torque"),
-        ("3 mm", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
+        ("tool", "5 kN", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
+        ("400 m", "1 kN m", m.GJ, m.TORSIONAL_SPEED, "twist", "torque"),
+        ("400 m", "3 mm", m.YOUNG * m.AREA, m.AXIAL_SPEED, "axial", "axial_force"),
     ],
 )
 def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, motion, force, tmp_path):
@@ -247,9 +251,7 @@ def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, mot
     found = table(case, tmp_path, "lower end", **options)
     assert found[f"{motion}_amplitude"] == pytest.approx(np.abs(end), rel=2e-3)
     assert found[f"{motion}_phase"] == pytest.approx(np.degrees(np.angle(end)), abs=0.3)
-    assert table(case, tmp_path, "top", **options)[f"{force}_amplitude"] == pytest.approx(
-        np.abs(top), rel=2e-3
-    )
+    assert at(tmp_path, "top")[f"{force}_amplitude"] == pytest.approx(np.abs(top), rel=2e-3)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert any("node at MD 400 m" in w for w in summary["warnings"])
     name = "tool" if excite == "tool" else "MD 400 m"

@@ -51,7 +51,7 @@ def test_pumps_off(order, tmp_path):
 def test_flow_through_all_tools(fluid, speed, tmp_path):
     """2 pi n Q turns the rotor, 14.44 rad/s at 30 l/s, less 0.3 % by the torque of the bit; mud that flows up turns it backwards."""
     shut_in = "choke" in fluid
-    case = combined(JAR, COLLAR, SHOCK, MOTOR, end=0.05 if shut_in else 0.1, **fluid)
+    case = combined(JAR, COLLAR, SHOCK, MOTOR, end=0.03 if shut_in else 0.1, **fluid)
     got, summary = history(case, tmp_path / "run")
     assert got["motor_speed"][0] == pytest.approx(speed, abs=0.05 * abs(speed) + 0.02)
     # sound in the closed annulus is damped by the integrator: 3.5 J are lost, 1.3 J at a tenth of the tolerance
@@ -62,7 +62,7 @@ def test_flow_through_all_tools(fluid, speed, tmp_path):
 def test_pumps_started_during_the_run(tmp_path):
     """The flow reaches the motor after the sound's way down the bore, 500 m at about 1.2 km/s, and turns it then."""
     ramp = {"time": [0, 0.05, 0.15, 1], "value": [0, 0, 0.02, 0.02]}
-    got, summary = history(combined(JAR, COLLAR, SHOCK, MOTOR, end=0.9, flow_rate=ramp), tmp_path / "run")
+    got, summary = history(combined(JAR, COLLAR, SHOCK, MOTOR, end=0.7, flow_rate=ramp), tmp_path / "run")
     assert np.abs(got["motor_speed"][got["time"] < 0.3]).max() < 1e-2
     assert got["motor_speed"].max() > 2.0
     assert energy_share(summary) < 1e-2
