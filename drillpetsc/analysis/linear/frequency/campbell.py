@@ -34,6 +34,7 @@ from drillpetsc.analysis.linear.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind
 from drillpetsc.analysis.linear.modes import KINDS
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.component import DRIVE
+from drillpetsc.geometry.frames import two_across
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
 from drillpetsc.parallel import first_rank_gives, total
@@ -210,11 +211,7 @@ def whirl(model: DrillingModel, linearised: Linearised, u: np.ndarray) -> tuple[
         return ("mixed",) * u.shape[1]
     values = linearised.field_values(names.index("string.position"), u, model.mesh.nodes, 3)
     t = model.tangent / np.linalg.norm(model.tangent, axis=1, keepdims=True)
-    near = np.where(np.abs(t[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = near - t * np.sum(near * t, axis=1, keepdims=True)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    one = np.sum(values * first, axis=2)
-    other = np.sum(values * np.cross(t, first), axis=2)
+    one, other = (np.sum(values * axis, axis=2) for axis in two_across(t))
     forward, backward = np.abs(one + 1j * other) ** 2, np.abs(one - 1j * other) ** 2
     total = forward + backward
     straight = np.abs(np.sqrt(forward) - np.sqrt(backward)) < STRAIGHT * (
