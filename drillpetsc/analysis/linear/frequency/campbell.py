@@ -30,10 +30,9 @@ from drillpetsc.analysis.linear.frequency.tracking import (
 )
 from drillpetsc.analysis.linear.frequency.turning import TurningModel
 from drillpetsc.analysis.linear.linearised_model import linearise_model
-from drillpetsc.analysis.linear.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
+from drillpetsc.analysis.linear.modal import ZERO_FRACTION, _of_kind, _shares, reference_rate, storage
 from drillpetsc.analysis.linear.modes import KINDS
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE
 from drillpetsc.geometry.frames import two_across
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
@@ -189,16 +188,8 @@ def energy_vectors(
     eq-campbell-metric).
     """
     size = np.maximum(np.abs(found.s), ZERO_FRACTION * reference_rate(model))
-    names = [f.name for f in model.system.layout.fields]
-    weight = np.zeros(len(linearised.scale))
-    stored = np.abs(linearised.C.diagonal())
-    for i, name in enumerate(names):
-        if model.system.layout.fields[i].physics == DRIVE:
-            continue
-        rows = (linearised.field == i) & ~linearised.second_order
-        weight[rows] = stored[rows] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)
     x = np.where(linearised.second_order[:, None], size * u, u)
-    wx = 0.5 * (linearised.M @ x + linearised.M.T @ x) + weight[:, None] * x
+    wx = 0.5 * (linearised.M @ x + linearised.M.T @ x) + storage(model, linearised)[:, None] * x
     energy = np.abs(np.sum(x.conj() * wx, axis=0))
     factor = 1.0 / np.sqrt(np.maximum(energy, 1e-300))
     return x * factor, wx * factor
