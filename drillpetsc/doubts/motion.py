@@ -23,6 +23,7 @@ from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.top.hoist import HoistLine
 from drillpetsc.physics.top.top_drive import MotorDrive
 from drillpetsc.unit_systems import plain
+from drillpetsc.unit_tables import GRAVITY
 
 Values = Iterable[dict[str, Any]]
 
@@ -33,7 +34,6 @@ RESOLVED_FRACTION = 0.3  # of an impact's duration: with longer steps BDF of ord
 COARSE_SAMPLE = 0.1  # of the tuned period
 FREED_WEIGHT = 0.05  # change of the weight on bit over initial.wob from which it is reported
 BLOCK_WEIGHT = 0.01  # difference of two weights of the block from which it is reported, over the weight
-GRAVITY = 9.80665
 CREEPS, ROUNDED = (
     0.2,
     0.01,

@@ -53,6 +53,15 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.array([y * w - z * v, z * u - x * w, x * v - y * u])
 
 
+def two_across(tangents: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors across each of the unit ``tangents`` (n, 3), right-handed with it; the first is as near to
+    north as it can be, or to east beside a tangent within 26 deg of north."""
+    near = np.where(np.abs(tangents[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    first = near - tangents * np.sum(near * tangents, axis=1, keepdims=True)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return first, np.cross(tangents, first)
+
+
 def high_side(tangent: FloatArray) -> FloatArray:
     """Return the unit vector (3,) across ``tangent`` (3,) towards the high side of the hole.
 

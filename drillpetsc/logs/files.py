@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.importers.sheet import INSTALL, workbook
+from drillpetsc.case.importers.las import curves_of
+from drillpetsc.case.importers.sheet import cell_text, workbook
 from drillpetsc.case.importers.xml_tree import Element, read_xml
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import DEPTHS, Heading, heading_of, unit_of
@@ -180,22 +181,18 @@ def _workbook(file: Path) -> Sheet:
 
 
 def _cell(value: Any) -> str:
-    if value is None or value != value:
-        return ""
-    if hasattr(value, "isoformat"):
-        return str(value.isoformat())
-    return (
-        repr(float(value))
-        if isinstance(value, int | float) and not isinstance(value, bool)
-        else str(value).strip()
-    )
+    return str(value.isoformat()) if hasattr(value, "isoformat") else cell_text(value)
 
 
 # ---------------------------------------------------------------------- LAS
 def _las(file: Path) -> Sheet:
     text = _decoded(file)
     version = re.search(r"^\s*VERS\s*\.\s*([\d.]+)", text, re.MULTILINE | re.IGNORECASE)
-    curves, null = _las3(file, text) if version and version.group(1).startswith("3") else _las2(file)
+    if version and version.group(1).startswith("3"):
+        curves, null = _las3(file, text)
+    else:
+        read = curves_of(file, text, "1.2, 2.0 or 3.0")
+        curves, null = [(name, unit, [_cell(v) for v in data]) for name, unit, data in read], ""
     titles = [name.partition(":")[0] for name, _, _ in curves]  # lasio numbers equal names: HKLD:1, HKLD:2
     headings = [heading_of(name, unit) for name, unit, _ in curves]
     if not is_log(headings):
@@ -207,36 +204,6 @@ def _las(file: Path) -> Sheet:
 
 
 Curves = list[tuple[str, str, list[str]]]
-
-
-def _las2(file: Path) -> tuple[Curves, str]:
-    try:
-        import lasio
-    except ImportError:
-        want = "a CSV file, unless the package lasio is installed"
-        raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
-    import logging
-    import warnings
-
-    quiet = logging.root.manager.disable
-    logging.disable(logging.CRITICAL)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            las = lasio.read(str(file), null_policy="strict")
-            return [
-                (str(c.mnemonic), str(c.unit or "").strip(), [_cell(v) for v in c.data.tolist()])
-                for c in las.curves
-            ], ""
-    except OSError:
-        raise
-    except Exception as error:  # lasio raises many kinds
-        hint = " ".join(str(error).split())[:200]
-        raise CaseError(
-            got=file.name, want="a LAS file of version 1.2, 2.0 or 3.0", hint=hint, file=file, line=1
-        ) from None
-    finally:
-        logging.disable(quiet)
 
 
 def _las3(file: Path, text: str) -> tuple[Curves, str]:

@@ -15,10 +15,9 @@ from drillpetsc.case.blocks.rig import STANDARD_GRAVITY
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output import catalogue
-from drillpetsc.output.files.fields import read_series
+from drillpetsc.output.files.fields import last_sizes
 from drillpetsc.output.files.run_folder import INDICES_TABLE, RunFolder
 from drillpetsc.output.files.tables import read_table, split_name, write_table
-from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.output.sensors.files import read_sensor, sensor_names
 from drillpetsc.output.shown_units import unit_of
 from drillpetsc.unit_systems import System, shown
@@ -183,7 +182,7 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
     if not run.probes.is_file() or case.well is None:
         return {}, []
     probes, found = _columns(read_table(run.probes)), {}
-    sizes, unresolved, still = _sizes(run), list[str](), list[str]()
+    sizes, unresolved, still = last_sizes(run.path), list[str](), list[str]()
     units = case.shown_units
     for name in [key.removeprefix("x_") for key in probes if key.startswith("x_")]:
         radius, clearance = (np.nan, np.nan)
@@ -218,18 +217,6 @@ def _whirl(run: RunFolder, case: Case, ends: FloatArray) -> tuple[dict[tuple[str
             f"of {every:g} s has too few rows for a string that rolls on the wall, or the string turns back and forth"
         )
     return found, told
-
-
-def _sizes(run: RunFolder) -> tuple[FloatArray, FloatArray, FloatArray] | None:
-    """Measured depth, outer radius and clearance of the nodes [m], from the last frame; None without a frame in a hole."""
-    series = read_series(run.path)
-    if not series:
-        return None
-    data = read_frame(series[-1][1]).point_data
-    if not {"md [m]", "hole_radius [m]", "outer_radius [m]"} <= set(data):
-        return None
-    radius = data["outer_radius [m]"]
-    return data["md [m]"], radius, data["hole_radius [m]"] - radius
 
 
 def _sensor(

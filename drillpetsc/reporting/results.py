@@ -256,13 +256,15 @@ def _figures(kind: Kind, run: Run, system: System) -> list[Grid]:
         ):
             rows.append((quantity.label, *number(value, quantity.title, system)))
     grids = [facts(rows, "Summary", source)] if rows and kind is run.kinds[0] else []
-    if kind.key == "roadmap":
-        grids += _fitted(run, system, source)
-    if kind.key == "statics":
-        grids += _forces(run, system, source)
-    if kind.key == "limits":
-        grids += _margins(run, system, source)
-    return grids
+    more = {"roadmap": _fitted, "statics": _forces, "limits": _margins}.get(kind.key)
+    return grids + (more(run, system, source) if more else [])
+
+
+def _grids(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], caption: str, source: str, words: Sequence[str]
+) -> list[Grid]:
+    """A grid, none without rows; words: heads of the columns that hold no numbers."""
+    return [Grid(heads, rows, caption, source, numeric=[head not in words for head in heads])] if rows else []
 
 
 def _fitted(run: Run, system: System, source: str) -> list[Grid]:
@@ -276,12 +278,8 @@ def _fitted(run: Run, system: System, source: str) -> list[Grid]:
         figures = (found.get("value"), *(found.get("interval") or [None, None]))
         cells = ["-" if x is None else f"{x / scale:.4g}" for x in figures]
         rows.append((words + (f" [{unit}]" if unit else ""), *cells, str(found.get("status", ""))))
-    if not rows:
-        return []
     heads = ("Parameter", "Value", "95 % from", "to", "Status")
-    return [
-        Grid(heads, rows, "Fitted to the measured points", source, numeric=(False, True, True, True, False))
-    ]
+    return _grids(heads, rows, "Fitted to the measured points", source, ("Parameter", "Status"))
 
 
 def _sensors(run: Run, system: System, source: str) -> list[Grid]:
@@ -294,8 +292,6 @@ def _sensors(run: Run, system: System, source: str) -> list[Grid]:
         share = f"{100 * row.get('coarse_share', np.nan):.3g}"
         clipped = str(row["clipped"]) if "clipped" in row else ""
         rows.append((str(row.get("name", "")), depth, *rates, share, str(row.get("samples", "")), clipped))
-    if not rows:
-        return []
     heads = (
         "Sensor",
         f"MD [{unit_of('md [m]', system)[2]}]",
@@ -306,7 +302,7 @@ def _sensors(run: Run, system: System, source: str) -> list[Grid]:
         "Samples",
         "Out of range",
     )
-    return [Grid(heads, rows, "Downhole sensors", source, numeric=(False, *(True for _ in heads[1:])))]
+    return _grids(heads, rows, "Downhole sensors", source, ("Sensor",))
 
 
 def _whirl(run: Run, system: System, source: str) -> list[Grid]:
@@ -316,10 +312,8 @@ def _whirl(run: Run, system: System, source: str) -> list[Grid]:
     for depth, classes in vibration.get("whirl", {}).items():
         place = " ".join(number(float(depth), "md [m]", system))
         rows += [(place, name, f"{100 * share:.3g}") for name, share in classes.items()]
-    if not rows:
-        return []
     caption = f"Whirl in windows of three revolutions at {vibration.get('windows')} times"
-    return [Grid(("Probe", "Class", "Share [%]"), rows, caption, source, numeric=(False, False, True))]
+    return _grids(("Probe", "Class", "Share [%]"), rows, caption, source, ("Probe", "Class"))
 
 
 def _flows(run: Run, system: System, source: str) -> list[Grid]:
@@ -334,12 +328,8 @@ def _flows(run: Run, system: System, source: str) -> list[Grid]:
         figures = np.array([np.nan if value is None else float(value) for value in values])
         unit = unit_of(quantity.title, system)[2]
         rows.append((quantity.label, *texts(in_units(quantity.title, figures, system)), unit))
-    if not rows:
-        return []
     heads = ("Quantity", *("Value" for _ in flows), "Unit")
-    return [
-        Grid(heads, rows, "Figures of each flow rate", source, numeric=(False, *(True for _ in flows), False))
-    ]
+    return _grids(heads, rows, "Figures of each flow rate", source, ("Quantity", "Unit"))
 
 
 #: figures of a summary of limits: path of the block, key of the figure in it, its unit
@@ -382,24 +372,20 @@ def _margins(run: Run, system: System, source: str) -> list[Grid]:
     slack = summary.get("max_slackoff")
     if isinstance(slack, int | float):
         rows.append(("Max slackoff", *number(slack, "slackoff [N]", system), "", ""))
-    if not rows:
-        return []
     heads = ("Quantity", "Value", "Unit", f"at MD [{unit_of('md [m]', system)[2]}]", "Item")
-    return [Grid(heads, rows, "Margins", source, numeric=(False, True, False, True, False))]
+    return _grids(heads, rows, "Margins", source, ("Quantity", "Unit", "Item"))
 
 
 def _forces(run: Run, system: System, source: str) -> list[Grid]:
     """Side forces of rigid items."""
     items = [row for row in run.summary.get("rigid_items", ()) if isinstance(row, Mapping)]
-    if not items:
-        return []
     titles = list(dict.fromkeys(title for item in items for title in item if title != "name"))
     rows = [
         (str(row.get("name", "")), *(number(row.get(title), title, system)[0] for title in titles))
         for row in items
     ]
     heads = ("Item", *(heading_of(title, system) for title in titles))
-    return [Grid(heads, rows, "Side forces", source, numeric=(False, *(True for _ in titles)))]
+    return _grids(heads, rows, "Side forces", source, ("Item",))
 
 
 def _ranges(file: Path, system: System, source: str) -> list[Grid]:
@@ -413,12 +399,10 @@ def _ranges(file: Path, system: System, source: str) -> list[Grid]:
             continue
         figures = in_units(title, [finite.min(), finite.mean(), finite.max()], system)
         rows.append((label_of(title, system), *texts(figures), unit_of(title, system)[2]))
-    if not rows:
-        return []
     time = next(iter(table.values()))
-    caption = f"Ranges over {time[0]:g} to {time[-1]:g} s, means over the rows"
+    caption = f"Ranges over {time[0]:g} to {time[-1]:g} s, means over the rows" if rows else ""
     heads = ("Quantity", "Least", "Mean", "Largest", "Unit")
-    return [Grid(heads, rows, caption, source, numeric=(False, True, True, True, False))]
+    return _grids(heads, rows, caption, source, ("Quantity", "Unit"))
 
 
 def solver_section(runs: Sequence[Run]) -> Section:

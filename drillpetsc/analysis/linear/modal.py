@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -195,26 +194,9 @@ def modes(
         return s, share, error, shapes, numbers, kept
 
     s, share, error, shapes, numbers, kept = first_rank_gives(system.comm.tompi4py(), solve)
-    size = np.abs(s)
-    ratio = np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
-    kinds = tuple(KINDS[i] for i in share.argmax(axis=1))
     # a rigid motion has rates on every rank
     motion = prescribed_motion(model) if system.assembly.y.any() else (0.0, 0.0)
-    return Modes(
-        s,
-        s.imag / (2 * np.pi),
-        s.real,
-        ratio,
-        kinds,
-        share,
-        error,
-        shapes,
-        imbalance,
-        ZERO_FRACTION * reference,
-        *motion,
-        numbers,
-        kept,
-    )
+    return Modes(s, share, error, shapes, imbalance, ZERO_FRACTION * reference, *motion, numbers, kept)
 
 
 def _without_free_angle(model: DrillingModel, linearised: Linearised, found: Eigenvalues) -> Eigenvalues:
@@ -312,15 +294,18 @@ def _shares(model: DrillingModel, linearised: Linearised, s: np.ndarray, u: np.n
         energy[:, k] = 0.5 * (
             np.maximum(np.abs(s), ZERO_FRACTION * reference_rate(model)) ** 2 * kinetic + strain
         )
-    stored = np.abs(linearised.C.diagonal())
-    for i, name in enumerate(names):
-        if model.system.layout.fields[i].physics == DRIVE:
-            continue
-        unknowns = np.flatnonzero((linearised.field == i) & ~linearised.second_order)
-        energy[:, 3] += (
-            0.5 * (stored[unknowns] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)) @ np.abs(u[unknowns]) ** 2
-        )
+    energy[:, 3] = 0.5 * storage(model, linearised) @ np.abs(u) ** 2
     return energy / np.maximum(energy.sum(axis=1, keepdims=True), 1e-300)
+
+
+def storage(model: DrillingModel, linearised: Linearised) -> FloatArray:
+    """Coefficients c (n,) of the energy c |u|^2/2 of pressures and flows; zero for all other unknowns."""
+    out, stored = np.zeros(len(linearised.scale)), np.abs(linearised.C.diagonal())
+    for i, field in enumerate(model.system.layout.fields):
+        if field.physics != DRIVE:
+            rows = (linearised.field == i) & ~linearised.second_order
+            out[rows] = stored[rows] / ROW_WEIGHT.get(field.name.split(".")[-1], 1.0)
+    return out
 
 
 def _factor(shapes: dict[str, np.ndarray], m: int, kind: str) -> complex:
@@ -453,12 +438,17 @@ def _write(model: DrillingModel, folder: RunFolder, found: Modes, fields) -> Non
         lines = np.column_stack([np.arange(len(points) - 1), np.arange(1, len(points))])
         for m in range(found.count):
             data = _point_data(model, found, m)
-            replace_file(shapes / f"mode_{m + 1:02d}.vtu", partial(_write_shape, points, lines, data))
+            write = partial(
+                write_vtu,
+                points=points,
+                kind="line",
+                cells=lines,
+                point_data=data,
+                cell_data={},
+                compress=False,
+            )
+            replace_file(shapes / f"mode_{m + 1:02d}.vtu", write)
     write_well_files(model, folder)
-
-
-def _write_shape(points: FloatArray, lines: np.ndarray, data: dict[str, FloatArray], file: Path) -> None:
-    write_vtu(file, points, "line", lines, data, {}, False)
 
 
 def _point_data(model: DrillingModel, found: Modes, m: int) -> dict[str, FloatArray]:

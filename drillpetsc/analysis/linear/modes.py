@@ -19,10 +19,8 @@ class Modes:
 
     Real eigenvalues (frequency 0) are first, of them the fastest growing.
 
-    eigenvalue: (m,) s [1/s]; frequency: (m,) [Hz]; growth: (m,) [1/s].
-    damping_ratio: (m,) -growth/|s| [-], nan at zero.
-    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-]; kind: (m,) the largest of
-    them.
+    eigenvalue: (m,) s [1/s].
+    share: (m, 4) fractions of the mode's energy in the columns of ``KINDS`` [-].
     error: (m,) backward errors of the eigenvalues [-].
     shapes: by field, (m, nodes, size) complex; the largest displacement is 1 m, or spin angle 1 rad, or
     pressure 1 bar, and real.
@@ -34,10 +32,6 @@ class Modes:
     """
 
     eigenvalue: np.ndarray
-    frequency: FloatArray
-    growth: FloatArray
-    damping_ratio: FloatArray
-    kind: tuple[str, ...]
     share: FloatArray
     error: FloatArray
     shapes: dict[str, np.ndarray]
@@ -47,6 +41,27 @@ class Modes:
     rotation: float
     stokes_number: FloatArray | None = None
     kept: int = 0
+
+    @property
+    def frequency(self) -> FloatArray:
+        """(m,) [Hz]."""
+        return self.eigenvalue.imag / (2 * np.pi)
+
+    @property
+    def growth(self) -> FloatArray:
+        """(m,) [1/s]."""
+        return self.eigenvalue.real
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """(m,) -growth/|s| [-], nan at zero."""
+        size = np.abs(self.eigenvalue)
+        return np.divide(-self.growth, size, out=np.full(self.count, np.nan), where=size > 0)
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """(m,) that with the largest share."""
+        return tuple(KINDS[i] for i in self.share.argmax(axis=1))
 
     @property
     def count(self) -> int:

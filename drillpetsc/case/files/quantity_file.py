@@ -22,7 +22,7 @@ _HEADER = re.compile(r"\s*([A-Za-z_ ]+?)\s*(?:[\[(]\s*([^\])]+?)\s*[\])])?\s*")
 class QuantityColumn:
     """A column of a file.
 
-    unit: SI; names: in headers, in small letters without blanks and `_`; implied: unit that a name without one has.
+    unit: SI, empty for pure numbers; names: in headers, in small letters without blanks and `_`; implied: unit that a name without one has.
     """
 
     unit: str
@@ -94,7 +94,7 @@ class QuantityFile:
                 want = f"each of {', '.join(self.columns)} once"
                 raise CaseError(at=key, want=want, file=path, line=line)
             unit = match.group(2) or self.columns[key].implied.get(word, "")
-            if not unit and not self.bare:
+            if not unit and not self.bare and self.columns[key].unit:
                 want = f"a unit in brackets: {self.example}"
                 raise CaseError(at=key, got=title, want=want, file=path, line=line)
             try:

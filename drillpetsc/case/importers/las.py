@@ -16,14 +16,20 @@ from drillpetsc.case.importers.table import MAX_BYTES, MAX_ROWS, Table, columns_
 from drillpetsc.errors import CaseError
 
 
-def curves_of(file: Path) -> list[tuple[str, str, list[Any]]]:
-    """(mnemonic, unit or "", values) of the curves of a LAS file; CaseError without lasio, and for another file."""
+def curves_of(
+    file: Path, text: str | None = None, versions: str = "1.2 or 2.0"
+) -> list[tuple[str, str, list[Any]]]:
+    """(mnemonic, unit or "", values) of the curves of a LAS file; CaseError without lasio, and for another file.
+
+    text: of the file, where it has been read; versions: that the caller reads, for the message.
+    """
     try:
         import lasio
     except ImportError:
         want = "a CSV file, unless the package lasio is installed"
         raise CaseError(got=file.name, want=want, hint=INSTALL, file=file, line=1) from None
-    text = bytes_of(file, MAX_BYTES).decode("utf-8-sig", "replace")
+    if text is None:
+        text = bytes_of(file, MAX_BYTES).decode("utf-8-sig", "replace")
     quiet = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -33,9 +39,8 @@ def curves_of(file: Path) -> list[tuple[str, str, list[Any]]]:
             return [(str(c.mnemonic), str(c.unit or "").strip(), list(c.data)) for c in las.curves]
     except Exception as error:  # lasio raises many kinds for files that are none
         hint = " ".join(str(error).split())[:200]
-        raise CaseError(
-            got=file.name, want="a LAS file of version 1.2 or 2.0", hint=hint, file=file, line=1
-        ) from None
+        want = f"a LAS file of version {versions}"
+        raise CaseError(got=file.name, want=want, hint=hint, file=file, line=1) from None
     finally:
         logging.disable(quiet)
 

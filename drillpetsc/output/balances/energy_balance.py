@@ -20,6 +20,8 @@ LIMIT = 0.01  # of the energy exchanged
 #: share of the strain energy below which an exchange is the settling of a state that is known to the solver's tolerance
 SETTLING = 1e-5
 ROWS_ABOVE_LIMIT = 3  # consecutive rows above the limit that stop a run
+#: attributes of an energy balance in a checkpoint, before its powers
+_SUMS = ("dissipated", "supplied", "start_energy", "peak_exchange", "_before_jump", "gained", "last_error")
 
 
 class EnergyBalance:
@@ -176,17 +178,7 @@ class EnergyBalance:
 
     def get_state(self) -> dict[str, FloatArray]:
         """For a checkpoint; the same on all ranks."""
-        sums = [
-            self.dissipated,
-            self.supplied,
-            self.start_energy,
-            self.peak_exchange,
-            self._before_jump,
-            self.gained,
-            self.last_error,
-            *self._powers,
-            self.followed,
-        ]
+        sums = [*(getattr(self, name) for name in _SUMS), *self._powers, self.followed]
         return {
             "sums": np.array(sums),
             "first_energies": np.array(self._first_energies),
@@ -196,15 +188,8 @@ class EnergyBalance:
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint."""
         sums = list(map(float, saved["sums"]))
-        (
-            self.dissipated,
-            self.supplied,
-            self.start_energy,
-            self.peak_exchange,
-            self._before_jump,
-            self.gained,
-            self.last_error,
-        ) = sums[:7]
+        for name, value in zip(_SUMS, sums, strict=False):
+            setattr(self, name, value)
         self._powers = (sums[7], sums[8])
         self.followed = sums[9] if len(sums) > 9 else 0.0  # checkpoints of version 0.x before it have none
         kinetic, strain, potential = saved["first_energies"].tolist()

@@ -15,7 +15,7 @@ import numpy as np
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.atomic import replace_file, replace_text, to_disk
 from drillpetsc.output.files.tables import DIGEST
-from drillpetsc.output.files.vtk import write_vtu
+from drillpetsc.output.files.vtk import read_frame, write_vtu
 
 
 def _checked(data: Mapping[str, np.ndarray] | None, count: int, where: str) -> dict[str, np.ndarray]:
@@ -146,6 +146,16 @@ def read_series(folder: str | os.PathLike) -> list[tuple[float, Path]]:
             want="the list of the frames of a run",
             hint="take the file from a copy of the run folder",
         ) from None
+
+
+def last_sizes(folder: str | os.PathLike) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Measured depth, outer radius and clearance of the nodes [m], from the last frame; None without a frame in a hole."""
+    series = read_series(folder)
+    data = read_frame(series[-1][1]).point_data if series else {}
+    if not {"md [m]", "hole_radius [m]", "outer_radius [m]"} <= set(data):
+        return None
+    radius = data["outer_radius [m]"]
+    return data["md [m]"], radius, data["hole_radius [m]"] - radius
 
 
 def frames_written(folder: str | os.PathLike, until: float) -> tuple[int, str]:

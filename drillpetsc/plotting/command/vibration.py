@@ -17,8 +17,8 @@ from drillpetsc.plotting.run.signals import Signal
 from drillpetsc.plotting.source import Pictures, Source, Table
 from drillpetsc.plotting.style import LINE_COLORS, display_unit, label, words
 from drillpetsc.plotting.thinning import envelope
+from drillpetsc.unit_tables import GRAVITY
 
-GRAVITY = 9.80665
 RANGE = 1e-3  # smallest amplitude that a map shows, over the largest
 ORDERS = (1, 2, 3)  # lines over the rotation that a waterfall shows
 WHIRL_COLORS = {

@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.output.catalogue import find
-from drillpetsc.output.files.fields import read_series
+from drillpetsc.output.files.fields import last_sizes
 from drillpetsc.output.files.run_folder import (
     SWEEP_TABLE,
     RunFolder,
 )
 from drillpetsc.output.files.tables import read_numbers, read_titles, split_name
-from drillpetsc.output.files.vtk import read_frame
 from drillpetsc.output.sensors.files import sensor_names
 from drillpetsc.plotting import style
 from drillpetsc.plotting.command import frequency, hydraulics, limits, sensitivities, torque_drag, vibration
@@ -147,7 +146,8 @@ def _drawers(at: Source) -> dict[str, Callable[[], Any]]:
             read(folder.history), numerics, f"{title}: energy and time steps"
         )
     if folder.probes.exists():
-        clearances = _clearances(folder)
+        sizes = last_sizes(folder.path)
+        clearances = sizes and sizes[::2]
         drawers["orbits"] = lambda: _orbits(read(folder.probes), clearances, title)
         drawers["probes"] = lambda: _probes(read(folder.probes), clearances, title)
     drawers |= {f"sensor_{name}": partial(draw_sensor, at, name) for name in sensor_names(folder.path)}
@@ -295,17 +295,6 @@ def probe_names(table: Table) -> list[str]:
         if (match := re.fullmatch(r"(?:x|spin)_([\d.]+)", split_name(title)[0]))
     ]
     return list(dict.fromkeys(found))
-
-
-def _clearances(folder: RunFolder) -> tuple[np.ndarray, np.ndarray] | None:
-    """Measured depth (n,) [m] and radial clearance (n,) [m] from the last frame; None without a hole."""
-    series = read_series(folder.path)
-    if not series:
-        return None
-    data = read_frame(series[-1][1]).point_data
-    if not {"md [m]", "hole_radius [m]", "outer_radius [m]"} <= set(data):
-        return None
-    return data["md [m]"], data["hole_radius [m]"] - data["outer_radius [m]"]
 
 
 def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, title: str) -> Any:

@@ -9,7 +9,8 @@ import pytest
 from PIL import Image
 
 from drillpetsc.output import RunFolder, Table, read_table, write_table
-from drillpetsc.plotting.run.plot import _clearances, _histories, _orbits, grouped, plot, probe_names
+from drillpetsc.output.files.fields import last_sizes
+from drillpetsc.plotting.run.plot import _histories, _orbits, grouped, plot, probe_names
 from tests.helpers.output_samples import HOLE, PIPE, make_run
 
 
@@ -76,9 +77,9 @@ def test_a_column_without_values_gets_no_panel(tmp_path: Path) -> None:
 def test_orbits_have_the_clearance_of_their_depth(tmp_path: Path) -> None:
     """Clearance of the sample: hole radius less pipe radius, in mm."""
     run = make_run(tmp_path / "run")
-    clearances = _clearances(run)
-    assert clearances is not None and np.allclose(clearances[1], HOLE - PIPE)
-    axes = _orbits(read_table(run.probes), clearances, "t").axes[0]
+    sizes = last_sizes(run.path)
+    assert sizes is not None and np.allclose(sizes[2], HOLE - PIPE)
+    axes = _orbits(read_table(run.probes), sizes[::2], "t").axes[0]
     assert axes.get_title() == "600 m, clearance 40.0 mm"
     assert np.allclose(np.hypot(*axes.patches[0].get_xy().T), 1e3 * (HOLE - PIPE))
     assert axes.get_aspect() == 1.0
@@ -86,7 +87,7 @@ def test_orbits_have_the_clearance_of_their_depth(tmp_path: Path) -> None:
 
 def test_orbits_without_a_well_have_no_circle(tmp_path: Path) -> None:
     run = make_run(tmp_path / "run", well=False)
-    assert _clearances(run) is None
+    assert last_sizes(run.path) is None
     assert len(_orbits(read_table(run.probes), None, "t").axes[0].patches) == 0
 
 

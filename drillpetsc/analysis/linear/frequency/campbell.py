@@ -30,10 +30,10 @@ from drillpetsc.analysis.linear.frequency.tracking import (
 )
 from drillpetsc.analysis.linear.frequency.turning import TurningModel
 from drillpetsc.analysis.linear.linearised_model import linearise_model
-from drillpetsc.analysis.linear.modal import ROW_WEIGHT, ZERO_FRACTION, _of_kind, _shares, reference_rate
+from drillpetsc.analysis.linear.modal import ZERO_FRACTION, _of_kind, _shares, reference_rate, storage
 from drillpetsc.analysis.linear.modes import KINDS
 from drillpetsc.arrays import FloatArray
-from drillpetsc.fem.component import DRIVE
+from drillpetsc.geometry.frames import two_across
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
 from drillpetsc.parallel import first_rank_gives, total
@@ -188,16 +188,8 @@ def energy_vectors(
     eq-campbell-metric).
     """
     size = np.maximum(np.abs(found.s), ZERO_FRACTION * reference_rate(model))
-    names = [f.name for f in model.system.layout.fields]
-    weight = np.zeros(len(linearised.scale))
-    stored = np.abs(linearised.C.diagonal())
-    for i, name in enumerate(names):
-        if model.system.layout.fields[i].physics == DRIVE:
-            continue
-        rows = (linearised.field == i) & ~linearised.second_order
-        weight[rows] = stored[rows] / ROW_WEIGHT.get(name.split(".")[-1], 1.0)
     x = np.where(linearised.second_order[:, None], size * u, u)
-    wx = 0.5 * (linearised.M @ x + linearised.M.T @ x) + weight[:, None] * x
+    wx = 0.5 * (linearised.M @ x + linearised.M.T @ x) + storage(model, linearised)[:, None] * x
     energy = np.abs(np.sum(x.conj() * wx, axis=0))
     factor = 1.0 / np.sqrt(np.maximum(energy, 1e-300))
     return x * factor, wx * factor
@@ -210,11 +202,7 @@ def whirl(model: DrillingModel, linearised: Linearised, u: np.ndarray) -> tuple[
         return ("mixed",) * u.shape[1]
     values = linearised.field_values(names.index("string.position"), u, model.mesh.nodes, 3)
     t = model.tangent / np.linalg.norm(model.tangent, axis=1, keepdims=True)
-    near = np.where(np.abs(t[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = near - t * np.sum(near * t, axis=1, keepdims=True)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    one = np.sum(values * first, axis=2)
-    other = np.sum(values * np.cross(t, first), axis=2)
+    one, other = (np.sum(values * axis, axis=2) for axis in two_across(t))
     forward, backward = np.abs(one + 1j * other) ** 2, np.abs(one - 1j * other) ** 2
     total = forward + backward
     straight = np.abs(np.sqrt(forward) - np.sqrt(backward)) < STRAIGHT * (

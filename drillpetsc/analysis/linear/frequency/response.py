@@ -33,6 +33,7 @@ from drillpetsc.case.options.excitation import Excitation
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.geometry.frames import two_across
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output.files.run_folder import RESPONSE_TABLE
 from drillpetsc.output.job import Job, RunResult
@@ -173,10 +174,7 @@ def _shape(model: DrillingModel) -> _Shape | None:
         return None
     position, slope = both[:, :3], both[:, 3:]
     t = slope / np.linalg.norm(slope, axis=1, keepdims=True)
-    near = np.where(np.abs(t[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    first = near - t * np.sum(near * t, axis=1, keepdims=True)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    axes = np.stack([first, np.cross(t, first), t], axis=1)
+    axes = np.stack([*two_across(t), t], axis=1)
     around = gaps(model, position, slope)
     clearance = np.full(len(found), np.nan)
     if around is not None:

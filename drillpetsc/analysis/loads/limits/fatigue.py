@@ -10,19 +10,19 @@ curve has it.
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic_core import PydanticCustomError
 
+from drillpetsc.analysis.loads.limits.strength import PSI
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.files.quantity_file import QuantityColumn, QuantityFile
 from drillpetsc.errors import CaseError
-from drillpetsc.units import UnitError, to_si
 
-PSI = 6894.757293168361  # [Pa]
 CORROSIVE = 0.6  # share of the permissible dogleg in corrosive mud (API RP 7G)
 #: rule of the bending stress by grade: E (E-75) or S (S-135); for X and G the standard has no rule of its own
 RULES = {"E-75": "E", "E75": "E", "S-135": "S", "S135": "S"}
@@ -94,6 +94,14 @@ MPA = 1e6
 ROUNDING = 1e-6  # share by which a stress may pass the largest of the curve
 _AT = "--sn"
 _WANT = "a,b of log10 N = a - b log10(S/MPa), such as 15.0,4.0; or a CSV file with the columns stress [MPa], cycles"
+_FILE = QuantityFile(
+    {
+        "stress": QuantityColumn("Pa", ("stress",), {"stress": "MPa"}),
+        "cycles": QuantityColumn("", ("cycles",), {}),
+    },
+    "stress [MPa], cycles",
+    "a,b of log10 N = a - b log10(S/MPa)",
+)
 
 
 @dataclass(frozen=True)
@@ -150,48 +158,16 @@ def read_sn(text: str) -> SnCurve:
 
 
 def _read_file(name: str) -> SnCurve:
-    path = Path(name)
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError):
+        found = _FILE.read(name)
+    except PydanticCustomError:
         raise CaseError(at=_AT, got=name, want=_WANT, hint="no such CSV file can be read") from None
-    lines = [
-        (i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and line.lstrip()[0] != "#"
-    ]
-    if not lines:
-        raise CaseError(at=_AT, file=path, line=1, got="an empty file", want=_WANT)
-    heads = [head.strip() for head in next(csv.reader([lines[0][1]]))]
-    names = [head.partition("[")[0].strip().lower() for head in heads]
-    if sorted(names) != ["cycles", "stress"]:
-        raise CaseError(
-            at=_AT, file=path, line=lines[0][0], got=lines[0][1], want="the columns stress [MPa], cycles"
-        )
-    at = names.index("stress")
-    unit = heads[at].partition("[")[2].rstrip("] ") or "MPa"
-    points: list[tuple[float, float]] = []
-    for line, row in lines[1:]:
-        cells = next(csv.reader([row]))
-        try:
-            stress, cycles = to_si(f"{float(cells[at])!r} {unit}", "Pa"), float(cells[1 - at])
-            valid = len(cells) == 2 and 0 < stress < math.inf and 0 < cycles < math.inf
-        except (UnitError, ValueError, IndexError):
-            valid = False
-        if not valid:
-            raise CaseError(
-                at=_AT,
-                file=path,
-                line=line,
-                got=row,
-                want=f"a stress in {unit} and a number of cycles, both above 0",
-            )
-        points.append((stress, cycles))
-    points.sort(key=lambda point: -point[0])
+    except CaseError as error:
+        error.at = _AT
+        raise
+    points = sorted(zip(found["stress"], found["cycles"], strict=True), key=lambda point: -point[0])
     rises = all(p[0] > q[0] and p[1] < q[1] for p, q in zip(points, points[1:], strict=False))
-    if len(points) < 2 or not rises:
-        raise CaseError(
-            at=_AT,
-            file=path,
-            got=f"{len(points)} points",
-            want="two points or more; cycles that rise as the stress falls",
-        )
-    return SnCurve(tuple(p[0] for p in points), tuple(p[1] for p in points), path.name)
+    if len(points) < 2 or not rises or not all(0 < q < math.inf for point in points for q in point):
+        want = "two points or more above 0; cycles that rise as the stress falls"
+        raise CaseError(at=_AT, file=Path(name), got=f"{len(points)} points", want=want)
+    return SnCurve(tuple(p[0] for p in points), tuple(p[1] for p in points), Path(name).name)
