@@ -26,13 +26,12 @@ class Local:
     columns: np.ndarray
     values: np.ndarray
 
-    def factor(self, **options) -> ChainFactor:
+    def factor(self) -> ChainFactor:
         return ChainFactor(
             COMM,
             ChainNumbering(self.nodes, self.node_of_dof, self.local_of_owned),
             self.rows,
             self.columns,
-            **options,
         )
 
 
@@ -102,13 +101,13 @@ def even(count):
     return [round(count * q / SIZE) for q in range(SIZE + 1)]
 
 
-def solved(part: Local, dense, **options) -> tuple[float, np.ndarray]:
+def solved(part: Local, dense) -> tuple[float, np.ndarray]:
     """Largest error, relative to the dense solution, over all local unknowns of all ranks; and the whole
     solution."""
     rng = np.random.default_rng(99)
     b = rng.standard_normal(len(dense))
     exact = np.linalg.solve(dense, b)
-    f = part.factor(**options)
+    f = part.factor()
     worst = 0.0
     for _ in range(2):  # the second time over a used factor
         f.factor(part.values)
@@ -130,8 +129,6 @@ def check_solutions(report) -> None:
     for owner in ("lower", "upper", "split"):
         report[owner], x = solved(share(elements, first, even(count), owner), dense)
     report["x"] = x.tolist()
-    report["refined"], x = solved(share(elements, first, even(count)), dense, refine=1)
-    report["x_refined"] = x.tolist()
     report["ranks_upside_down"], _ = solved(
         share(elements, first, even(count), order=list(range(SIZE))[::-1]), dense
     )

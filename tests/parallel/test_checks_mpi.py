@@ -18,7 +18,7 @@ from tests.parallel.run_checks import report as report_here
 pytestmark = [pytest.mark.parallel, pytest.mark.skipif(not have_mpi(), reason="no mpirun")]
 RANKS = (1, 2, 3)
 CASES = (
-    "lower", "upper", "split", "refined", "ranks_upside_down", "uneven", "rank_without_element", "one_element_a_rank",
+    "lower", "upper", "split", "ranks_upside_down", "uneven", "rank_without_element", "one_element_a_rank",
 )  # fmt: skip
 
 
@@ -93,9 +93,8 @@ def test_empty_rank_between_others():
 
 
 @each_row("ranks", RANKS[1:])
-@each_row("x", ["x", "x_refined"])
-def test_number_of_ranks_does_not_matter(ranks, x):
-    serial, parallel = np.array(chain(1)[x]), np.array(chain(ranks)[x])
+def test_number_of_ranks_does_not_matter(ranks):
+    serial, parallel = np.array(chain(1)["x"]), np.array(chain(ranks)["x"])
     assert np.abs(parallel - serial).max() < 1e-12 * np.abs(serial).max()
 
 

@@ -483,16 +483,6 @@ def test_oscillators_beyond_many_slow_roots_are_found():
     assert roots.s[roots.s.imag == 0].real == pytest.approx(-slow[:2], rel=1e-9)
 
 
-def test_slepc_where_it_is_installed():
-    """SLEPc's Krylov-Schur finds the same eigenvalues as ARPACK's Arnoldi."""
-    pytest.importorskip("slepc4py.SLEPc", exc_type=ImportError)
-    problem, _ = dae(6)
-    one, other = (
-        np.sort_complex(eigenvalues_near(problem, 0.87, 30, engine).s) for engine in ("slepc", "arpack")
-    )
-    assert one == pytest.approx(other, rel=1e-7)
-
-
 # ---------------------------------------------------------------------- files
 def test_files_of_a_run(tmp_path: Path):
     """modes.csv, summary.json and the shapes of a cantilever against closed forms."""

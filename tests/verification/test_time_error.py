@@ -21,7 +21,7 @@ from drillpetsc.output.balances.time_error import (
     time_error_lines,
 )
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula, AlphaOutputErrors
-from drillpetsc.solvers.time.local_error import local_error, local_errors
+from drillpetsc.solvers.time.local_error import local_error_weights, local_errors
 
 CASES = Path(__file__).parents[2] / "cases"
 #: torsion pendulum: k/J = 100 /s2, stopped from 1 rad/s at 0.1 s
@@ -109,7 +109,9 @@ def test_local_errors_together_and_one_by_one():
         together = local_errors(t, x, order)
         for k, e in enumerate(together):
             part = slice(k, k + order + 2)
-            assert e == pytest.approx(local_error(list(t[part]), list(x[part]), order), rel=1e-10, abs=1e-12)
+            assert e == pytest.approx(
+                local_error_weights(list(t[part]), order) @ x[part], rel=1e-10, abs=1e-12
+            )
 
 
 def test_an_output_that_switches_has_no_estimate():

@@ -31,10 +31,5 @@ def _refuse_misspelt(case: Case, names: Iterable[str]) -> None:
     doubtful = [name for name in options.unread(names) if name.removeprefix("q_") not in known]
     if not doubtful:
         return
-    from drillpetsc.solvers.linear.quadratic_eigenproblem import SLEPC_PREFIX, has_slepc  # imports scipy
-
-    if has_slepc(float):  # which reads them when eigenvalues are sought
-        doubtful = [name for name in doubtful if not name.startswith(SLEPC_PREFIX)]
-    if doubtful:
-        make_integrator(build_model(case, PETSc.COMM_SELF))
-        options.refuse_unread(doubtful)
+    make_integrator(build_model(case, PETSc.COMM_SELF))
+    options.refuse_unread(doubtful)

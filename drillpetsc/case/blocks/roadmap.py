@@ -22,6 +22,12 @@ Speed = Annotated[float, Quantity("m/s", at_least=0, at_most=10, kind="trip_spee
 Rop = Annotated[float, Quantity("m/s", at_least=0, at_most=1, kind="rop")]
 Flow = Annotated[float, Quantity("m^3/s", at_least=0, at_most=1)]
 Rotation = Annotated[float, ROTATION]
+PumpFlow = Annotated[
+    Flow | None,
+    Field(
+        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given"
+    ),
+]
 
 
 def _operation(value: Any) -> Any:
@@ -125,10 +131,7 @@ class Drilling(Block):
     )
     tob: Torque = Field(default=to_si("5 kft-lbf", "N m"), description="torque of the rock on the bit")
     rop: Rop = Field(default=to_si("60 ft/h", "m/s"), description="rate of penetration")
-    flow_rate: Flow | None = Field(
-        default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
-    )
+    flow_rate: PumpFlow = None
 
 
 class Sliding(Block):
@@ -138,10 +141,7 @@ class Sliding(Block):
         default=None, description="weight on bit; initial.wob when not given, else 15 klbf"
     )
     tob: Torque = Field(default=to_si("2 kft-lbf", "N m"), description="torque of the rock on the bit")
-    flow_rate: Flow | None = Field(
-        default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
-    )
+    flow_rate: PumpFlow = None
 
 
 class Backreaming(Block):
@@ -150,10 +150,7 @@ class Backreaming(Block):
     speed: Speed = Field(default=to_si("20 ft/min", "m/s"), description="upward speed")
     rpm: Rotation = Field(default=to_si("80 rpm", "rad/s"), description="rotation")
     tob: Torque = Field(default=to_si("1 kft-lbf", "N m"), description="torque of the rock on the bit")
-    flow_rate: Flow | None = Field(
-        default=None,
-        description="flow rate of the pump, which drags and lifts the string; 0: the mud is at rest; fluid.flow_rate at time 0 when not given",
-    )
+    flow_rate: PumpFlow = None
 
 
 class MeasuredPoint(Block):

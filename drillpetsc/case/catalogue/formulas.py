@@ -11,7 +11,6 @@ MAKE_UP = (
     0.6  # recommended make-up torque over the torque at which the tool joint yields (API RP 7G, table 10)
 )
 THREAD_FRICTION = 0.08  # of threads and shoulders with dope (API RP 7G, A.8.2)
-SPIRAL = 0.96  # ratio of the weights of a spiral and a round collar (Smith, Drilling Assembly Handbook)
 
 
 def section(outer: float, inner: float) -> float:

@@ -17,7 +17,7 @@ from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels import function, pointer
-from drillpetsc.kernels.parameters import Parameters, Table, columns, constant, structure
+from drillpetsc.kernels.parameters import Parameters, Table, columns, structure
 from drillpetsc.physics import quantities as declared
 from drillpetsc.physics.bit.bit_laws import BitContact, BitShape, DragBit, PatternOrder, Rock, Weakening
 from drillpetsc.physics.bit.bit_profile import CHIPS, chip_for, profile_derivative
@@ -32,7 +32,6 @@ _beyond = function("bit_beyond", "dd", ctypes.c_double)
 _Law = structure("bit_law")  # BitLaw of kernels/bit/bit.hpp
 LAYER_WIDTH = 0.1  # length over which one layer goes over into the next [m]
 STRAYED = 1e-3  # distance [m] from the end of the hole that the bit follows, a few millionths of a parameter beside it
-ON_ROCK = -constant("contact_onset")  # depth from which the bit touches [m]
 KINDS = columns("bit_kind")
 RESULTS = columns("bit_rock_results")
 _MODES = columns("bit_mode")

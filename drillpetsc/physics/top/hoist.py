@@ -143,7 +143,7 @@ class HoistLine(Hoist):
         self.lowering, self._gravity, self._statics = lowering, gravity, statics
         self._at_top = np.arange(nodes) == 0
         self._now, self._share, self._changed = 0.0, 1.0, True
-        #: of linear models: the loop in charge, of ``AUTODRILLER_MODES``, and what its set point is raised by
+        #: of linear models: the loop in charge, as the column autodriller_mode numbers it, and what its set point is raised by
         self._linear: tuple[str, float] | None = None
         #: stretch of the lines at the start [m]
         self.stretch = 0.0

@@ -12,9 +12,8 @@ import numpy as np
 from drillpetsc.physics.end_conditions import Input
 from drillpetsc.unit_systems import System
 
-#: loops of an autodriller in the order of the kernel, and their numbers in the output ``autodriller_mode``; 0: it is off
+#: PI loops of an autodriller, in the order of the kernel
 LOOPS = ("wob", "torque", "differential_pressure")
-AUTODRILLER_MODES = {"off": 0, "wob": 1, "rop": 2, "torque": 3, "differential_pressure": 4}
 
 
 @dataclass(frozen=True)

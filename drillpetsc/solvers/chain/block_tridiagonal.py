@@ -56,7 +56,7 @@ class Piece:
     sizes: (n,) unknowns per node.
     interfaces: bit 0 (1) is set if the first (last) node is an interface, which the elimination leaves.
 
-    store: blocks of the matrix, later of its factors; saved: copy of the matrix for refinement, or None.
+    store: blocks of the matrix, later of its factors; saved: copy of the matrix for ``subtract_matrix``, or None.
     blocks: copy of the pivot blocks for ``negative_eigenvalues``, or None.
     length: entries of a padded vector; node i starts at ``table[i, _VEC]``.
     stats: (4,) column without a pivot, smallest and largest pivot ratio, node of the smallest.

@@ -134,7 +134,6 @@ class ChainFactor:
     numbering: of the nodes and unknowns on this rank.
     rows, columns: (m,) local numbers of the matrix entries.  Entries with a negative number are left out.
     Duplicates add up, and so do the contributions of two ranks to their interface.
-    refine: steps of iterative refinement in every solve.
     pivot_tolerance: a pivot must exceed this fraction of the largest entry of its column in the diagonal
     block.
 
@@ -155,7 +154,6 @@ class ChainFactor:
         rows: np.ndarray,
         columns: np.ndarray,
         *,
-        refine: int = 0,
         pivot_tolerance: float = 1e-15,
     ) -> None:
         comm = comm.tompi4py() if hasattr(comm, "tompi4py") else comm
@@ -176,7 +174,7 @@ class ChainFactor:
         if self._backwards:
             nodes, sizes, node_of_dof, interfaces = nodes[::-1], sizes[::-1], n - 1 - node_of_dof, 2
         self.nodes, self.piece = nodes, Piece(sizes, interfaces)
-        self.refine, self.pivot_tolerance, self.factorisations = refine, pivot_tolerance, 0
+        self.pivot_tolerance, self.factorisations = pivot_tolerance, 0
         self._number_unknowns(node_of_dof, owned, local_of_owned)
         problem = None
         try:
@@ -187,8 +185,6 @@ class ChainFactor:
         tables = (self._local_at, self._owned_local_at, self._owned_global_at, self._vec)
         self._addresses = {id(table): pointer(table) for table in tables}  # they are never reallocated
         self._prepare_messages()
-        if refine:
-            self.piece.saved = aligned(self.piece.matrix)
         self.factor_flops, self.solve_flops = np.add(self.piece.flops(), self.interface.flops()).tolist()
         self.smallest_pivot, self.growth, self.smallest_pivot_node = np.inf, 0.0, -1
 
@@ -224,7 +220,7 @@ class ChainFactor:
         self._owned_global_at[position] = number
         self._component = np.empty(self.size, dtype=np.int64)
         self._component[dofs] = self.piece.components()
-        self._vec, self._rhs, self._sum = (aligned(self.piece.length) for _ in range(3))
+        self._vec = aligned(self.piece.length)
 
     def _set_entries(self, node_of_dof: np.ndarray, rows: np.ndarray, columns: np.ndarray) -> None:
         """Check the matrix entries (m,) and set their positions in the blocks.
@@ -329,8 +325,8 @@ class ChainFactor:
         self.growth = float(heads[:, 3].max())
 
     def record(self) -> Any:
-        """Arguments of factorisations and solves of owned unknowns in compiled code, on one process and without refinement."""
-        assert self.comm is None and not self.refine
+        """Arguments of factorisations and solves of owned unknowns in compiled code, on one process."""
+        assert self.comm is None
         at = {"vec": pointer(self._vec), "index": pointer(self._owned_global_at)}
         return _ChainCall(**self.piece.record(), **at, tolerance=self.pivot_tolerance)
 
@@ -360,21 +356,11 @@ class ChainFactor:
 
     def _solve(self, source: np.ndarray, b: np.ndarray, target: np.ndarray, x: np.ndarray) -> None:
         n, vec = self.piece.length, self._vec
-        if not (self.interface.n or self.refine):
+        if not self.interface.n:
             at = self._addresses
             return self.piece.solve(at[id(source)], pointer(b), at[id(vec)], at[id(target)], pointer(x))
         _gather(n, pointer(source), pointer(b), pointer(vec))
-        if self.refine:
-            self._rhs[:] = vec
-            self._solve_packed(vec)
-            for _ in range(self.refine):
-                self._sum[:] = vec
-                vec[:] = self._rhs
-                self.piece.subtract_matrix(self._sum, vec)
-                self._solve_packed(vec)
-                vec += self._sum
-        else:
-            self._solve_packed(vec)
+        self._solve_packed(vec)
         _scatter(n, pointer(target), pointer(vec), pointer(x))
 
     def solve(self, b: np.ndarray, x: np.ndarray) -> None:
@@ -476,7 +462,7 @@ class ChainPC:
             self.chain.solve_owned(b.getArray(readonly=1), x.getArray())
         else:
             x.set(float("inf"))
-        self._log.logFlops((1 + self.chain.refine) * self.chain.solve_flops)
+        self._log.logFlops(self.chain.solve_flops)
         self._solve_event.end()
 
     def view(self, pc, viewer) -> None:

@@ -1,6 +1,6 @@
 """Eigenvalues s of (K + s C + s^2 M) u = 0 near a point of the complex plane, or the slowest ones.
 
-Numpy and scipy on one process; SLEPc if it is installed.
+Numpy and scipy on one process.
 
 M and C may be singular: a first-order unknown has no column in M, an algebraic one has none in C either.
 With v = s u of the second-order unknowns the problem is A z = s B z, z = (u, v) (manual: eq-eigen-linear),
@@ -43,7 +43,6 @@ DEFLATION_CHECKS = 4  # eigenvalues of the deflated operator that are computed t
 #: eigenvalues
 SMALLEST_OPERATOR_EIGENVALUE = 1e-11
 MAX_DEFLATIONS = 40
-SLEPC_PREFIX = "modes_"  # of its options
 MAX_DISCS = 200
 
 
@@ -167,7 +166,6 @@ class _Scaled:
         return np.abs(sum(terms)).max(axis=0) / (weight * np.abs(u).max(axis=0))
 
 
-# ---------------------------------------------------------------------- engines
 def _arpack(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
     """Compute vectors (size, k) of about ``count`` eigenvalues of largest size by implicitly restarted Arnoldi.
 
@@ -184,50 +182,6 @@ def _arpack(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
         return error.eigenvectors
 
 
-def _slepc(apply, size: int, count: int, kind: type, seed: int) -> np.ndarray:
-    """Compute the same as ``_arpack`` by SLEPc's Krylov-Schur method, for PETSc's number type.
-
-    SLEPc options have the prefix ``modes_``.
-    """
-    from petsc4py import PETSc
-    from slepc4py import SLEPc
-
-    class Shell:
-        def mult(self, matrix, x, y) -> None:
-            y.setArray(apply(x.getArray(readonly=1)))
-
-    matrix = PETSc.Mat().createPython((size, size), context=Shell(), comm=PETSc.COMM_SELF)
-    matrix.setUp()
-    eps = SLEPc.EPS().create(comm=PETSc.COMM_SELF)
-    eps.setOptionsPrefix(SLEPC_PREFIX)
-    eps.setOperators(matrix)
-    eps.setProblemType(SLEPc.EPS.ProblemType.NHEP)
-    eps.setWhichEigenpairs(SLEPc.EPS.Which.LARGEST_MAGNITUDE)
-    eps.setDimensions(count)
-    eps.setTolerances(1e-13, 100 * count)
-    start = matrix.createVecRight()
-    start.setArray(np.random.default_rng(seed).standard_normal(size))
-    eps.setInitialSpace(start)
-    eps.setFromOptions()
-    eps.solve()
-    real, imaginary = matrix.createVecs()
-    out = []
-    for i in range(eps.getConverged()):
-        eps.getEigenpair(i, real, imaginary)
-        out.append(real.getArray() + 1j * imaginary.getArray())
-    return np.array(out).reshape(-1, size).T
-
-
-def has_slepc(kind: type) -> bool:
-    """Whether SLEPc is installed and computes with the number type ``kind``."""
-    try:
-        from petsc4py import PETSc
-        from slepc4py import SLEPc  # noqa: F401
-    except ImportError:
-        return False
-    return bool(np.issubdtype(PETSc.ScalarType, np.complexfloating)) == (kind is complex)
-
-
 def _span(Q: np.ndarray, W: np.ndarray, real: bool) -> np.ndarray:
     """Extend the orthonormal basis Q by the columns of W; ``real``: by their real and imaginary parts."""
     X = np.hstack([W.real, W.imag]) if real else W
@@ -239,7 +193,7 @@ def _span(Q: np.ndarray, W: np.ndarray, real: bool) -> np.ndarray:
     return np.hstack([Q, new[:, : len(independent)][:, independent]])
 
 
-def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.ndarray, np.ndarray, float]:
+def _leading(apply, size: int, count: int, real: bool) -> tuple[np.ndarray, np.ndarray, float]:
     """Compute at least ``count`` eigenvalues of largest size (manual: sec-eigen-search).
 
     A Krylov space contains a multiple eigenvalue only through rounding.  The method therefore runs again on
@@ -249,7 +203,6 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
     Raises SolveError if nothing converges.
     """
     kind: type = float if real else complex
-    method = _slepc if engine == "slepc" or (engine == "auto" and has_slepc(kind)) else _arpack
     Q: np.ndarray = np.zeros((size, 0), dtype=kind)
     values, vectors = np.zeros(0, dtype=complex), np.zeros((size, 0), dtype=complex)
     batch, bound = count, 0.0
@@ -260,7 +213,7 @@ def _leading(apply, size: int, count: int, real: bool, engine: str) -> tuple[np.
             z = apply(z)
             return z - basis @ (adjoint @ z)
 
-        W = method(deflated, size, batch, kind, seed)
+        W = _arpack(deflated, size, batch, kind, seed)
         if not W.shape[1]:
             raise SolveError(
                 "no eigenvalue of the linearised system converged",
@@ -287,8 +240,7 @@ def eigenvalues_near(
     """Compute at least ``count`` eigenvalues nearest to ``shift`` [1/s]; all of a small system.
 
     count: both eigenvalues of a conjugate pair count.
-    engine: ``dense``, ``arpack``, ``slepc`` or ``auto``.  Auto uses a dense matrix up to DENSE_BELOW, then
-    SLEPc if it is installed and has the number type of the shift, otherwise ARPACK.
+    engine: ``dense``, ``arpack``, or ``auto``: a dense matrix up to DENSE_BELOW, then ARPACK.
 
     Raises SolveError if nothing converges.  Manual: sec-eigen-search.
     """
@@ -301,7 +253,7 @@ def eigenvalues_near(
     if engine == "dense" or (engine == "auto" and size <= DENSE_BELOW) or count + 2 * DEFLATION_CHECKS > size:
         values, vectors = np.linalg.eig(apply(np.eye(size)))
     else:
-        values, vectors, bound = _leading(apply, size, count, real, engine)
+        values, vectors, bound = _leading(apply, size, count, real)
     finite = np.abs(values) > SMALLEST_OPERATOR_EIGENVALUE * np.abs(values).max()
     values, u = values[finite], vectors[: scaled.n, finite]
     size_of = np.abs(u).max(axis=0)

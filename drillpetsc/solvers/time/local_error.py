@@ -221,18 +221,11 @@ class LocalErrorEstimate:
         }
 
 
-def local_error(times: list[float], states: list[FloatArray], order: int) -> FloatArray:
-    """Compute the local error (n,) of the last state (manual: eq-time-local-error).
-
-    times: (order + 2,) ascending [s].
-    states: ``order + 2`` states (n,) at these times [SI of each unknown].
-    order: order of the formula.
-    """
-    return np.asarray(local_error_weights(times, order) @ np.array(states))
-
-
 def local_error_weights(times: list[float], order: int) -> FloatArray:
-    """Compute the weights (order + 2,) of the states in the local error; arguments as for ``local_error``."""
+    """Compute the weights (order + 2,) of the last states in the local error of a formula (manual: eq-time-local-error).
+
+    times: (order + 2,) of the states, ascending [s].
+    """
     ascending, weights = np.array(times, dtype=float), np.empty(order + 2)
     _bdf_error_weights(order, pointer(ascending), pointer(weights))
     return weights
@@ -240,8 +233,6 @@ def local_error_weights(times: list[float], order: int) -> FloatArray:
 
 def local_errors(times: FloatArray, states: FloatArray, order: int) -> FloatArray:
     """Compute the local errors (m - order - 1, n) of all states that have ``order + 1`` states before them.
-
-    The same as ``local_error`` for each of them.
 
     times: (m,) ascending [s], with m > order + 1; states: (m, n) [SI of each unknown].
     """

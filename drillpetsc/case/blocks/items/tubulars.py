@@ -35,6 +35,12 @@ Wall = Annotated[float, Quantity("m", above=0, at_most=1, kind="diameter")]
 JointLength = Annotated[float, Quantity("m", above=0, at_most=100)]
 UpsetLength = Annotated[float, Quantity("m", above=0, at_most=100, kind="none")]  # feet or inches?
 Weight = Annotated[float, Quantity("kg/m", above=0, at_most=1e5)]
+NominalWeight = Annotated[
+    Weight | None,
+    Field(
+        description="name of the weight, with threads and couplings; finds the row of the catalogue, never a weight"
+    ),
+]
 Stress = Annotated[float, Quantity("Pa", at_least=1e6, at_most=1e11, kind="stress")]
 Torque = Annotated[float, Quantity("N m", above=0, at_most=1e7)]
 Share = Annotated[float, Quantity("", above=0, at_most=1)]
@@ -134,10 +140,7 @@ class DrillPipe(Jointed):
     """Drill pipe with tool joints, by a text reference to the catalogue or by its dimensions."""
 
     kind: Literal["drill_pipe"] = Field(description="drill pipe with tool joints")
-    nominal_weight: Weight | None = Field(
-        default=None,
-        description="name of the weight, with threads and couplings; finds the row of the catalogue, never a weight",
-    )
+    nominal_weight: NominalWeight = None
     class_: Literal["new", "premium", "class_2"] | None = Field(
         default=None,
         alias="class",
@@ -179,10 +182,7 @@ class Casing(Tubular):
     """Casing or liner that is run into the hole."""
 
     kind: Literal["casing"] = Field(description="casing")
-    nominal_weight: Weight | None = Field(
-        default=None,
-        description="name of the weight, with threads and couplings; finds the row of the catalogue, never a weight",
-    )
+    nominal_weight: NominalWeight = None
 
 
 class CoiledTubing(Tubular):
