@@ -207,7 +207,10 @@ def test_five_outputs_by_five_keys(name, integrator):
 @INTEGRATORS
 def test_drilling_in_mud(integrator):
     """A bit that builds in flowing mud, its string on the wall of a curved hole: differences of runs with the same steps."""
-    string = [*hanging(integrator)._given.keys["string"][:2], {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0, "nozzle_area": 4e-4}]
+    string = [
+        *hanging(integrator)._given.keys["string"][:2],
+        {"kind": "bit", "length": 0.5, "od": 0.2159, "mass": 60.0, "nozzle_area": 4e-4},
+    ]
     case = hanging(
         integrator,
         **CURVED,
@@ -227,11 +230,17 @@ def test_drilling_in_mud(integrator):
         own, full = run.slopes[:, :, k] * key.size, []
         for step in (1e-3, 3e-4, 1e-4):
             low, high = (
-                series_of(key.changed(case, key.value + sign * step * key.size), [], columns, run.steps).values
+                series_of(
+                    key.changed(case, key.value + sign * step * key.size), [], columns, run.steps
+                ).values
                 for sign in (-1, 1)
             )
             full.append((high - low) / (2 * step))
         best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
         sizes, values = np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
         # the weight on bit is read from positions of 400 m, which are rounded
-        assert (best < 5e-4 * sizes + [2e-5, 2e-5, 2e-5, 2e-4, 2e-4] * values).all(), (key.name, best / sizes, best / values)
+        assert (best < 5e-4 * sizes + [2e-5, 2e-5, 2e-5, 2e-4, 2e-4] * values).all(), (
+            key.name,
+            best / sizes,
+            best / values,
+        )
