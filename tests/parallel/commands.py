@@ -21,6 +21,7 @@ from tests.cli.test_limits_cli import CASE as LIMITS
 from tests.helpers import frequency_models as m
 from tests.helpers import top_drive_models as t
 from tests.helpers.wells import simple_well
+from tests.verification import test_sensitivities_bit as bit
 from tests.verification import test_sensitivities_run as run
 from tests.verification.test_critical_map import critical, shaft
 from tests.verification.test_stokes_modes import span
@@ -424,6 +425,14 @@ SENSITIVITIES = {
         "formation.bit_law.static,string[0].od,top.rotation.value,material.density|--analysis|run|--set|time.end=2 s"
         "|--of|surface_torque.mean,bit_speed.max,hook_load.final",
         (3,),
+    ),
+    # the hole grows, and the bit cuts into the groove of the blade before
+    "derivatives of a run that drills": Row(
+        "sensitivities|--analysis|run|--to|formation.bit_law.specific_energy,top.lowering,string[0].od"
+        "|--of|wob.mean,rop.mean,hook_load.mean,surface_torque.mean",
+        bit.drilling("bdf", {"bit_law": bit.DRAG}, 0.4)._given.keys,
+        same_derivatives,
+        (2,),
     ),
     # hole and swirl are renewed on the way
     "derivatives of a run in mud": Row(
