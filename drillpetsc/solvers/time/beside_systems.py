@@ -156,7 +156,8 @@ class BesideSystems:
         at = self.system.assembly.calls.step_at
         some: tuple[int | None, ...] = (-1, None, None)
         if reactions is not None:
-            some = (len(reactions[0]), *map(pointer, reactions))
+            places, ends = reactions
+            some = (len(places), pointer(places), pointer(ends))
         _beside_states(self.count, self.calls, at, x.shape[1], pointer(x), pointer(y), pointer(a), *some)
 
     @property
