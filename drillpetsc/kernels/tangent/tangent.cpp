@@ -342,10 +342,23 @@ void tangent_rates(const TangentCall* call) {
     }
 }
 
+// Derivatives (keys, length) of the rows of `count` blocks at the run's state, along those of x, y, a: of the blocks at prescribed motion.
+void tangent_ends(const TangentCall* call, int count, const MatrixCall* blocks, const double* x, const double* y, const double* a, double* rows) {
+    TangentCall c = *call;
+    const StepCall& s = *c.step;
+    const double weights[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    const double* along[3] = {x, y, a};
+    c.x = s.x; c.y = s.y; c.a = s.a; c.rows = rows;
+    std::memset(rows, 0, sizeof(double) * c.keys * c.length);
+    for (int b = 0; b < count; ++b)
+        for (int i = 0; i < 3; ++i) add_product(c, blocks[b], weights[i], c.lean + 3L * s.spins, along[i], nullptr);
+}
+
 // Systems beside a run go into its state, moved along the derivatives (keys, length) of x, y, a.  some: the number of places, -1 for all unknowns;
-// with places the reactions follow.
+// with places the reactions follow.  Of these, ends (keys, length): derivatives of the rows of the blocks that are not evaluated at moved places: a
+// strain rounds by 1e-16, which over the change of a key is seen in a force.
 void beside_states(int count, const BesideCall* calls, const StepCall* run, int length, const double* x, const double* y, const double* a, int some,
-                   const int* places) {
+                   const int* places, const double* ends) {
     for (int b = 0; b < count; ++b) {
         const StepCall& c = *calls[b].step;
         const double h = calls[b].change;
@@ -362,7 +375,12 @@ void beside_states(int count, const BesideCall* calls, const StepCall* run, int 
             std::memcpy(const_cast<double*>(c.prescribed[m].rate), run->prescribed[m].rate, c.prescribed[m].count * sizeof(double));
         for (int m = 0; m < c.prescriptions; ++m)
             for (int i = 0; i < 7; ++i) c.r[c.prescribed[m].rows[i]] = c.dead ? -c.dead[c.prescribed[m].rows[i]] : 0.0;
-        add_parts(calls[b].end_count, calls[b].ends, c.x, c.y, c.a, c.r);
+        for (int p = 0; p < calls[b].end_count; ++p) {
+            const PartCall* part = calls[b].ends + p;
+            part->moved ? add_parts(1, part, c.x, c.y, c.a, c.r) : add_parts(1, part, run->x, run->y, run->a, c.r);
+        }
+        for (int m = 0; m < c.prescriptions; ++m)
+            for (int i = 0; i < 7; ++i) c.r[c.prescribed[m].rows[i]] += h * ends[at + c.prescribed[m].rows[i]];
         for (int m = 0; m < c.prescriptions; ++m) {
             const PrescribedCall& p = c.prescribed[m];
             for (int j = 0; p.places && j < p.count; ++j) {

@@ -19,7 +19,9 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.kernels.parameters import structure
 
 _PartCall, _BesideCall = structure("part_call"), structure("beside_call")
-_beside_states = function("beside_states", "ippipppip")
+_MatrixCall = structure("matrix_call")
+_beside_states = function("beside_states", "ippipppipp")
+FEW = 8  # elements of a block at prescribed motion, of which the derivatives of reactions are formed
 
 
 class Part(NamedTuple):
@@ -64,6 +66,7 @@ class BesideSystems:
         self.follows = [all(_follows(system, b.system) for b in group) for group in groups]
         self.moved = np.zeros((len(system.assembly.calls.blocks), len(groups)), dtype=np.int8)
         self._kept: list[Any] = []
+        self._kept_ends: list[Any] = []
         self._updates: list[tuple[BoundBlock, Any]] = []
         blocks = [b.block for _, beside in every for b in beside.system.assembly.bound_blocks]
         self._recorded = [(block, block.constants) for block in blocks if block.constants]
@@ -91,14 +94,38 @@ class BesideSystems:
                 (moved if moves else still).append(part)
                 self.moved[i, k] |= moves
             ends = _end_parts(asm)
+            along = [part for part in ends if self._has_derivative(part, opens)]
+            apart = [part for part in ends if not self._has_derivative(part, opens)]
             call.step, call.key = asm.calls.step_at, k
             call.change, call.weight, call.follows = beside.change, beside.weight, self.follows[k]
             call.parts, call.part_count = self._records(still, moved)
-            call.ends, call.end_count = self._records(ends)
+            call.ends, call.end_count = self._records(along, apart)
             call.first, call.last = _range(changed, asm.layout.array_length)
             call.low, call.high = _range(moved, asm.layout.size)
             used = {id(part.block): part.block for part in (*changed, *ends)}
             self._updates += [(b, b.block.update) for b in used.values() if b.block.update]
+
+    @staticmethod
+    def _has_derivative(part: Part, opens: set[str]) -> bool:
+        """Whether the rows of a part at prescribed motion are followed by their derivative, not at the moved state."""
+        return part.block.block.name not in opens and part.last - part.first <= FEW
+
+    def end_calls(self) -> tuple[Any, int]:
+        """Records of the run's blocks at prescribed motion whose derivatives are formed, and the numbers that they need."""
+        asm, size = self.system.assembly, 0
+        pairs = zip(asm.bound_blocks, self.system.component_of, strict=True)
+        opens = {b.block.name for b, component in pairs if component.has_contact}
+        parts = [part for part in _end_parts(asm) if self._has_derivative(part, opens)]
+        calls = (_MatrixCall * len(parts))()
+        for call, (b, first, last, params, _) in zip(calls, parts, strict=True):
+            index = b.index[first:last]
+            spins = np.ascontiguousarray(b.spins.reshape(b.count, -1)[first:last])
+            call.jacobian = ctypes.cast(b.jacobian, ctypes.c_void_p).value
+            call.count, call.width, call.record = last - first, b.width, b.block.context
+            call.index, call.nodes, call.parameters = pointer(index), pointer(spins), pointer(params)
+            self._kept_ends += [index, spins, params]
+            size = max(size, call.count * b.width**2 + 4 * b.width)
+        return calls, size
 
     def _records(self, still: Sequence[Part], moved: Sequence[Part] = ()) -> tuple[int, int]:
         """Address and number of records of parts; moved: those that are evaluated at moved positions."""
@@ -122,14 +149,23 @@ class BesideSystems:
                 b.note_place(error, t)
                 raise
 
-    def move(self, x: FloatArray, y: FloatArray, a: FloatArray, places: IntArray | None = None) -> None:
+    def move(
+        self,
+        x: FloatArray,
+        y: FloatArray,
+        a: FloatArray,
+        reactions: tuple[IntArray, FloatArray] | None = None,
+    ) -> None:
         """Put all systems into the state of the run, moved along the derivatives (k, length) of x, y, a.
 
-        places: of the unknowns that are moved, with those of the elements at prescribed motion: the reactions follow, with the
-        parameters of the last ``update``.  None: all, without reactions.
+        reactions: places of the unknowns that are moved, with those of the elements at prescribed motion, and derivatives (k, length) of
+        the rows of ``end_calls``: the reactions follow, with the parameters of the last ``update``.  None: all unknowns, without reactions.
         """
         at = self.system.assembly.calls.step_at
-        some = (-1, None) if places is None else (len(places), pointer(places))
+        some: tuple[int | None, ...] = (-1, None, None)
+        if reactions is not None:
+            places, ends = reactions
+            some = (len(places), pointer(places), pointer(ends))
         _beside_states(self.count, self.calls, at, x.shape[1], pointer(x), pointer(y), pointer(a), *some)
 
     @property

@@ -31,7 +31,7 @@ _TangentCall = structure("tangent_call")
 _rows, _gather, _prescribed, _positions, _rates = (
     function(f"tangent_{name}", "p") for name in ("rows", "gather", "prescribed", "positions", "rates")
 )
-_step = function("tangent_step", "ppp")
+_step, _ends = function("tangent_step", "ppp"), function("tangent_ends", "pippppp")
 
 
 class StepTangent:
@@ -87,7 +87,11 @@ class StepTangent:
             (b.count * b.width**2 + 4 * b.width for b in calls.blocks if not _product_of(b.block.kernel)),
             default=0,
         )
+        self._ends, needed = self._beside.end_calls()
+        self._ends_at, widest = ctypes.addressof(self._ends), max(widest, needed)
         self._along, self._by_rate, self._by_second, self._rows = (np.zeros((k, length)) for _ in range(4))
+        self._end_rows = np.zeros((k, length))
+        self._end_rows_at = pointer(self._end_rows)
         self._constants_at = pointer(self._by_rate), pointer(self._by_second)
         self._lean, self._element = np.zeros((2, max(1, len(asm.spin_at)), 3)), np.zeros(max(1, widest))
         self._owned, self._found = np.zeros((k, owned)), np.zeros((k, owned))
@@ -260,7 +264,9 @@ class StepTangent:
 
     def balance(self) -> None:
         """Move the systems along the derivatives after a step, and find their reactions."""
-        self._beside.move(self.x, self.y, self.a, self._places)
+        x, y, a = self.x, self.y, self.a
+        _ends(self._at, len(self._ends), self._ends_at, pointer(x), pointer(y), pointer(a), self._end_rows_at)
+        self._beside.move(x, y, a, (self._places, self._end_rows))
 
 
 def _product_of(kernel: str) -> int | None:

@@ -28,6 +28,7 @@ from drillpetsc.output.column_series import ColumnSeries, ColumnSeriesOfSystems
 from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.time.beside_systems import Beside
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.step_tangent import StepTangent
@@ -81,6 +82,7 @@ def _refuse(case: Case, model: DrillingModel, integrator: TimeIntegrator | None 
         "constraints of the quaternion element, or of stabilised joints": system.assembly.derive is not None
         or system.assembly.stabilized
         or any(c.has_constraints for c in system.components),
+        "a downhole motor": bool(model.parts(MudMotor)),
         "joints and generalised-alpha together (time.integrator: bdf)": system.multipliers > 0
         and isinstance(integrator, GeneralizedAlpha),
         "drilling fluid with formulation: hermite, or with dynamics: quasi_steady": mud is not None
