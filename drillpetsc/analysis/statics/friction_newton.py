@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import side_load_size
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
-from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, helix_load, relax
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, fall
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
 from drillpetsc.analysis.statics.start.march import place_marched
@@ -31,7 +31,7 @@ def reach(problem: StaticProblem) -> None:
     equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    fraction, saddle, load, helix = model.case.initial.imperfection, None, 0.0, 0.0
+    fraction, saddle = model.case.initial.imperfection, None
     problem.origin.restore()
     if problem.found is not None and problem.straight is not None:
         start = lateral_start(problem.straight, problem.found, solver.limit)
@@ -43,8 +43,6 @@ def reach(problem: StaticProblem) -> None:
             restore()
             start = None
         place_marched(model, problem.straight if start is None else start.march)
-        load = problem.straight.usual_contact_force if start is None else 0.0  # else it has found its wall
-        helix = helix_load(model, problem.found)
     placed, failure = Snapshot(model), SolveError("no static state was found")
     strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
@@ -54,11 +52,10 @@ def reach(problem: StaticProblem) -> None:
                 solver.add_imperfection(strength / fraction * side_load_size(model), SPACING)
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
-                relax(model, solver, report, solver.start_increment, helix, downhill=True)
-                load = 0.0
+                fall(model, solver, report, solver.start_increment, problem.found)
             problem.impose(_fractions(problem)[0])
             try:
-                relax(model, solver, report, solver.start_increment, load)
+                come_to_rest(model, solver, report, solver.start_increment)
             finally:
                 problem.set_friction_aside()
             _add_side_force(problem, climbs=True)

@@ -138,11 +138,6 @@ class March:
         return self.axial_force[1:-1] + self.string.wet
 
     @property
-    def usual_contact_force(self) -> float:
-        """Force per length [N/m] that nine tenths of the nodes do not exceed."""
-        return float(np.quantile(self.contact_force / np.maximum(self.string.half, 1e-9), 0.9))
-
-    @property
     def side_load(self) -> FloatArray:
         """(n, 3) load across the hole, of weight, flow and tension in its curvature [N]."""
         return self.string.side_load(self.axial_force)
