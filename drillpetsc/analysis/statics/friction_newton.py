@@ -9,12 +9,13 @@ from drillpetsc.analysis.statics.imperfection import side_load_size
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
 from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, fall
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
+from drillpetsc.analysis.statics.start.lateral_start import lateral_start
 from drillpetsc.analysis.statics.start.march import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.coarse_mesh import too_coarse
+from drillpetsc.solvers.static.lateral_loads import lateral_loads
 
 START_INCREMENT = 0.1  # of a state from which a solve with the flow starts
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
@@ -31,7 +32,7 @@ def reach(problem: StaticProblem) -> None:
     equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    fraction, saddle = model.case.initial.imperfection, None
+    fraction, saddle, asm = model.case.initial.imperfection, None, model.system.assembly
     problem.origin.restore()
     if problem.found is not None and problem.straight is not None:
         start = lateral_start(problem.straight, problem.found, solver.limit)
@@ -49,7 +50,7 @@ def reach(problem: StaticProblem) -> None:
         try:
             if strength:
                 placed.restore()
-                solver.add_imperfection(strength / fraction * side_load_size(model), SPACING)
+                asm.dead_load = lateral_loads(model.system, strength / fraction * side_load_size(model))
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
                 fall(model, solver, report, solver.start_increment, problem.found)
@@ -67,7 +68,7 @@ def reach(problem: StaticProblem) -> None:
             return
         # an unstable state is better than none: the first, without side loads, is symmetric and can be repeated
         saddle = saddle or problem.save()
-    model.system.assembly.dead_load, report.imperfection = None, 0.0
+    asm.dead_load, report.imperfection = None, 0.0
     if saddle is None:
         raise failure
     saddle()  # it says so
@@ -80,7 +81,7 @@ def _from_buckled(problem: StaticProblem, side_loads: FloatArray) -> bool:
     Returns whether a stable one, or one that slides steadily, is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    solver.add_imperfection(side_loads, SPACING)
+    model.system.assembly.dead_load = lateral_loads(model.system, side_loads)
     report.imperfection = model.case.initial.imperfection
     placed = Snapshot(model)
     for near in (True, False):

@@ -30,10 +30,7 @@ from drillpetsc.solvers.static.search_limit import SearchEnded
 from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import shown
 
-SEED = 1e-3  # random side loads, as a share of the weight
-SEED_SPACING = (
-    3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]
-)
+SEED = 1e-3  # random side loads, as a share of the weight; part of the history
 SPEED = 1.0  # of the string past the hole while it slides [m/s]
 SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
@@ -109,7 +106,7 @@ class FrictionPath:
         if kind == "slack_off" and model.case.top.force is not None:
             speed = abs(model.case.top.force.value(0.0)) * axial_compliance(model.mesh) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
-        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
         self._push = self._end_load()
         #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
         self._scale = (
