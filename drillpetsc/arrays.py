@@ -21,3 +21,8 @@ def components(vectors: ArrayLike) -> FloatArray:
 def halves_at_nodes(values: FloatArray) -> FloatArray:
     """Share the values (n,) of a row of elements evenly between their ends: sums (n+1,) at the nodes, in the same unit."""
     return 0.5 * (np.append(values, 0.0) + np.append(0.0, values))
+
+
+def sums_from_below(values: FloatArray) -> FloatArray:
+    """Sums (n+1,) of ``values`` (n,) from each place to the end of the row."""
+    return np.append(np.cumsum(values[::-1])[::-1], 0.0)

@@ -32,7 +32,7 @@ from drillpetsc.parallel import total
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
-from drillpetsc.unit_systems import System, display, display_unit, shown
+from drillpetsc.unit_systems import display, display_unit, shown
 
 FIRST_FLOW_INCREMENT = 1e-2  # of the flow from which flow and string are solved together
 #: axial direction (down positive) and rotation of each motion of the `statics` command
@@ -95,14 +95,14 @@ def director_equilibrium(
     refuse_folded(model)
     refuse_fallen(model)
     settle_contents(model, solver, report)
-    _reactions(model, solver)
+    solver.rows()  # the reactions of the final state
     model.system.assembly.freeze(None)
     state.warnings += doubts_at(
         Solved(
             model=model,
             top_unplaced=not placed,
             lateral_friction_failed=no_lateral_friction,
-            below_hole=_beyond_bottom(model),
+            below_hole=float(total(model.system.comm, FreeEnd(model).below_bottom())),
             negative_pivots=report.negative_pivots if state.path is None else 0,
             singular=report.singular,
         )
@@ -135,7 +135,9 @@ def _posed(
         if found.locked is not None and path != "slack_off":
             raise _lock_up(model, found.locked)
         straight = marcher.march(coils=False) if found.helical.any() else found
-    solver = _solver(model)
+    solver = StaticNewton(
+        model.system, node_clearance(model), advance=steps_in_hole(model), symmetric=model.conservative
+    )
     solver.rates = surge
     if path is None:  # a user who asks for a path waits for it
         solver.limit = SearchLimit(model.mesh.nodes)
@@ -145,7 +147,6 @@ def _posed(
         model,
         solver,
         StaticState(motion, Equilibrium(), soft, band=band),
-        tuple(r for r in (model.contact, model.bit) if r is not None),
         1.0 if lateral_friction else 0.0,
         lowering,
         found,
@@ -231,11 +232,6 @@ def _answer_by_newton(problem: StaticProblem) -> None:
         answer_by_path(problem, "sliding")
 
 
-def _beyond_bottom(model: DrillingModel) -> float:
-    """Distance [m] of a free end below the end of the hole; not above zero if it hangs free, or stands; collective."""
-    return float(total(model.system.comm, FreeEnd(model).below_bottom()))
-
-
 def _free_end_hint(model: DrillingModel, found: March | None) -> str:
     """What to do about a string without a static state whose free end reaches the end of the hole by the march; else empty."""
     if found is None or model.well is None or not end_is_free(model):
@@ -244,7 +240,7 @@ def _free_end_hint(model: DrillingModel, found: March | None) -> str:
     if float(found.measured_depth[-1]) + mesh.total_length - float(mesh.node_depth[-1]) < most:
         return ""
     return (
-        f"the free end of the string reaches the end of the hole, MD {shown(most, 'length', _units(model), 6)}, where nothing holds "
+        f"the free end of the string reaches the end of the hole, MD {shown(most, 'length', model.case.shown_units, 6)}, where nothing holds "
         "it and no mud flows past: a shorter string, or a deeper hole; bottom: {kind: bit} stands on it"
     )
 
@@ -254,8 +250,8 @@ def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
     depth = model.mesh.node_depth[found.helical] + top_depth(model)
     largest = -float(found.axial_force.min())
     pitch = 2 * np.pi * np.sqrt(2 * float(model.mesh.bending_stiffness[~model.mesh.is_joint].min()) / largest)
-    scale, _, unit = display_unit("length", _units(model))
-    push, force = display(largest, "force", _units(model))
+    scale, _, unit = display_unit("length", model.case.shown_units)
+    push, force = display(largest, "force", model.case.shown_units)
     hint = (
         f"by the march the string coils from MD {depth[0] / scale:.0f} to {depth[-1] / scale:.0f} {unit} under a push of "
         f"{push:.3g} {force}, up to {found.coiling.max():.2g} times the push at which it coils; elements of {pitch / 4 / scale:.2g} {unit} or less show it"
@@ -265,10 +261,6 @@ def _helix_hint(model: DrillingModel, found: March, moves: bool) -> str:
     return hint
 
 
-def _units(model: DrillingModel) -> System:
-    return model.case.shown_units
-
-
 def _lock_up(model: DrillingModel, node: int) -> SolveError | CaseError:
     """The error that no push reaches the bit: what friction takes grows faster than the push."""
     mesh, case = model.mesh, model.case
@@ -276,27 +268,18 @@ def _lock_up(model: DrillingModel, node: int) -> SolveError | CaseError:
     if wob is not None and wob > most:
         return CaseError(
             at="initial.wob",
-            got=shown(wob, "force", _units(model), 6),
-            want=f"less than {shown(most, 'force', _units(model), 3)}, which compresses the pipe above the bit by 1 %",
+            got=shown(wob, "force", model.case.shown_units, 6),
+            want=f"less than {shown(most, 'force', model.case.shown_units, 3)}, which compresses the pipe above the bit by 1 %",
         )
     item = case.string[int(mesh.item[max(node - 1, 0)])]
     what = "no weight" if case.initial.wob else "no push"
     flows = case.fluid is not None and largest(case.fluid.flow_rate) > 0
-    scale, _, unit = display_unit("length", _units(model))
+    scale, _, unit = display_unit("length", model.case.shown_units)
     return SolveError(
         f"locked up: {what} passes MD {(mesh.node_depth[node] + top_depth(model)) / scale:.0f} {unit} ({item.name or item.kind}); "
         "below it the string coils in the hole, and friction takes any further push",
         hint="a stiffer or lighter string below that depth, less friction, rotation, or less weight"
         + ("; less flow or a wider annulus, whose pressure lifts the string (hydraulics)" if flows else ""),
-    )
-
-
-def _solver(model: DrillingModel) -> StaticNewton:
-    return StaticNewton(
-        model.system,
-        symmetric=model.conservative,
-        clearance=node_clearance(model),
-        advance=steps_in_hole(model),
     )
 
 
@@ -322,8 +305,3 @@ def set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) ->
         return present, gradient, target
 
     solver.depth, solver.move_top = depth, top.shift
-
-
-def _reactions(model: DrillingModel, solver: StaticNewton) -> None:
-    """Compute one residual at the final state, which updates the reactions in the assembly."""
-    solver.rows()

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from drillpetsc.analysis.statics.imperfection import side_load_size
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
-from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, helix_load, relax
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, fall
 from drillpetsc.analysis.statics.snapshot import Snapshot
-from drillpetsc.analysis.statics.start.lateral_start import SPACING, lateral_start
+from drillpetsc.analysis.statics.start.lateral_start import lateral_start
 from drillpetsc.analysis.statics.start.march import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.coarse_mesh import too_coarse
+from drillpetsc.solvers.static.lateral_loads import lateral_loads
 
 START_INCREMENT = 0.1  # of a state from which a solve with the flow starts
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
@@ -31,7 +32,7 @@ def reach(problem: StaticProblem) -> None:
     equilibrium is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    fraction, saddle, load, helix = model.case.initial.imperfection, None, 0.0, 0.0
+    fraction, saddle, asm = model.case.initial.imperfection, None, model.system.assembly
     problem.origin.restore()
     if problem.found is not None and problem.straight is not None:
         start = lateral_start(problem.straight, problem.found, solver.limit)
@@ -43,22 +44,19 @@ def reach(problem: StaticProblem) -> None:
             restore()
             start = None
         place_marched(model, problem.straight if start is None else start.march)
-        load = problem.straight.usual_contact_force if start is None else 0.0  # else it has found its wall
-        helix = helix_load(model, problem.found)
     placed, failure = Snapshot(model), SolveError("no static state was found")
     strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
         try:
             if strength:
                 placed.restore()
-                solver.add_imperfection(strength / fraction * side_load_size(model), SPACING)
+                asm.dead_load = lateral_loads(model.system, strength / fraction * side_load_size(model))
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
-                relax(model, solver, report, solver.start_increment, helix, downhill=True)
-                load = 0.0
+                fall(model, solver, report, solver.start_increment, problem.found)
             problem.impose(_fractions(problem)[0])
             try:
-                relax(model, solver, report, solver.start_increment, load)
+                come_to_rest(model, solver, report, solver.start_increment)
             finally:
                 problem.set_friction_aside()
             _add_side_force(problem, climbs=True)
@@ -70,7 +68,7 @@ def reach(problem: StaticProblem) -> None:
             return
         # an unstable state is better than none: the first, without side loads, is symmetric and can be repeated
         saddle = saddle or problem.save()
-    model.system.assembly.dead_load, report.imperfection = None, 0.0
+    asm.dead_load, report.imperfection = None, 0.0
     if saddle is None:
         raise failure
     saddle()  # it says so
@@ -83,7 +81,7 @@ def _from_buckled(problem: StaticProblem, side_loads: FloatArray) -> bool:
     Returns whether a stable one, or one that slides steadily, is found.
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
-    solver.add_imperfection(side_loads, SPACING)
+    model.system.assembly.dead_load = lateral_loads(model.system, side_loads)
     report.imperfection = model.case.initial.imperfection
     placed = Snapshot(model)
     for near in (True, False):

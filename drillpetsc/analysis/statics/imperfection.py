@@ -22,7 +22,7 @@ def add_imperfection_of_rest(model: DrillingModel) -> None:
     if not model.beam.moves or not fractions.any():
         return
     size = fractions * nodal_weight(model)
-    model.system.assembly.dead_load = lateral_loads(model.system, size)
+    model.system.assembly.dead_load = lateral_loads(model.system, size, spacing=None)
 
 
 def imperfections(model: DrillingModel) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.statics.steady_flow import SteadyFlow, release_flow, set_fluid_at_rest
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, sums_from_below
 from drillpetsc.fem.component import DRIVE, JOINT, Start
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.hole import top_of_string
@@ -133,7 +133,7 @@ def share_of_top(model: DrillingModel) -> tuple[FloatArray, FloatArray]:
             element = np.divide(
                 mesh.length, stiffness, out=np.zeros_like(mesh.length), where=~mesh.is_joint & (stiffness > 0)
             )
-            below = np.append(np.cumsum(element[::-1])[::-1], 0.0)
+            below = sums_from_below(element)
             share = below / below[0]
         shares.append(share)
     return shares[0], shares[1]

@@ -1,20 +1,17 @@
 """Relaxation of a string to its static state: steps of implicit Euler with side drag, which become infinitely long.
 
-Manual: sec-statics-relaxation.  Friction has the direction that the components impose.  Side loads are needed by
-`buckled-collar.yaml` and by free columns beyond their buckling load; a soft wall by long strings that cross their hole.
+Manual: sec-statics-relaxation.  Friction has the direction that the components impose.  Side loads and a soft wall are needed by
+`buckled-collar.yaml`, side loads by free columns beyond their buckling load.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
-from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.contact import Contact
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
@@ -33,49 +30,44 @@ SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the cl
 SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
 
 
-def relax(
-    model: DrillingModel,
-    solver: StaticNewton,
-    report: Equilibrium,
-    tolerance: float = CONVERGED_INCREMENT,
-    load: float = 0.0,
-    downhill: bool = False,
+def fall(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float, found: March | None
 ) -> None:
-    """Relax the string from its present state while the wall becomes stiff; collective.
+    """Let a string whose loads have an energy come to rest downhill, while the wall becomes stiff; collective.
 
-    On a stiff wall the region where a pipe crosses from one side of the hole to the other grows by a node in each step; on a
-    soft wall all of it moves at once (manual: sec-statics-stiffening).
+    The softest wall yields by ``SOFT_PENETRATION`` of the clearance under the force r F^2/4EI of a helix under the largest push F
+    (Lubinski, Althouse and Logan, JPT 14(6), 1962); manual: sec-statics-stiffening.
 
-    report: gets iterations and increments.
-    tolerance: largest increment of the last solve.
-    load: contact force per length [N/m] that presses the string into the softest wall by ``SOFT_PENETRATION`` of its
-    clearance; 0: the wall keeps its stiffness.
-    downhill: as for ``come_to_rest``.
-    Raises SolveError if no equilibrium is found.
+    found: march of the string, in which a push at the top may not pass; None: no wall.  Others: as for ``come_to_rest``.
     """
-    contact = model.contact
-    if contact is not None and contact.law.law == "linear":
+    contact, force, softest = model.contact, model.case.top.force, 1.0
+    if contact is not None and found is not None and contact.law.law == "linear":
+        push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0))
+        stiffness = float(np.min(model.mesh.bending_stiffness[~model.mesh.is_joint]))
+        softest = max(push, 0.0) ** 2 / (4 * stiffness * SOFT_PENETRATION * contact.law.stiffness)
+    if contact is not None and 0 < softest < 0.1:
         try:
-            for factor in _softening(model, contact, load):
+            for factor in np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1]:
                 contact.set_stiffness(factor)
-                come_to_rest(model, solver, report, SOFT_INCREMENT, downhill=downhill)
+                come_to_rest(model, solver, report, SOFT_INCREMENT, downhill=True)
         finally:
             contact.set_stiffness(1.0)
-    come_to_rest(model, solver, report, tolerance, downhill=downhill)
+    come_to_rest(model, solver, report, tolerance, downhill=True)
 
 
 def come_to_rest(
     model: DrillingModel,
     solver: StaticNewton,
     report: Equilibrium,
-    tolerance: float,
+    tolerance: float = CONVERGED_INCREMENT,
     drag: float = 0.0,
     most_failed: int = MOST_FAILED,
     downhill: bool = False,
 ) -> None:
     """Let the string move to its state by steps with drag that grow until they are infinitely long; collective.
 
-    report, tolerance: as for ``relax``; most_failed: steps that fail before the string is given up.
+    report: gets iterations and increments.  tolerance: largest increment of the last solve.  most_failed: steps that fail before the
+    string is given up.
     drag: of the first step [N/m2]; 0: the first one is infinitely long, that is Newton's method, and ``FIRST_DRAG`` follows if it fails.
     downhill: the loads have an energy.  A step begins with so much drag that its energy is convex there, so that it passes over no
     hill; the last one ends in a stable state.
@@ -121,30 +113,3 @@ def _convex(solver: StaticNewton, drag: float) -> float:
                 break
         drag *= CONVEX
     return drag
-
-
-def _softening(model: DrillingModel, contact: Contact, load: float) -> tuple[float, ...]:
-    """Factors of the contact stiffness before 1; none if the wall is soft."""
-    softest = load / (SOFT_PENETRATION * _clearance(model, contact.well) * contact.law.stiffness)
-    if not 0 < softest < 0.1:
-        return ()
-    return tuple(np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1])
-
-
-def _clearance(model: DrillingModel, well: Well) -> float:
-    """Smallest radial clearance [m], 1 mm at least."""
-    middle = 0.5 * (model.mesh.upper + model.mesh.lower) + top_depth(model)
-    gap = np.asarray(well.radius(middle)) - 0.5 * model.mesh.contact_diameter
-    return float(max(1e-3, np.min(gap[model.mesh.contact_diameter > 0], initial=0.1)))
-
-
-def helix_load(model: DrillingModel, found: March) -> float:
-    """Largest contact force r F^2/4EI [N/m] of a helix with the clearance r under the largest push F on the string.
-
-    found: march of the string, in which a push at the top may not pass.
-    Source: Lubinski, Althouse and Logan, JPT 14(6), 1962.
-    """
-    force, pipe = model.case.top.force, ~model.mesh.is_joint
-    push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0), 0.0)
-    gap = 0.0 if model.contact is None else _clearance(model, model.contact.well)
-    return gap * push**2 / (4 * float(np.min(model.mesh.bending_stiffness[pipe])))

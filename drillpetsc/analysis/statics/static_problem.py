@@ -10,8 +10,6 @@ from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import HelixBand, March
 from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
 from drillpetsc.model.drilling_model import DrillingModel
-from drillpetsc.physics.contact import Contact
-from drillpetsc.physics.interfaces import Bit
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 
@@ -50,7 +48,6 @@ class StaticProblem:
     """One search for an equilibrium.
 
     model, solver: see there; state: gets the result.
-    components: those with friction, the wall and the bit.
     fraction: lateral friction fraction that is asked for [-].
     lowering: speed at which the top lowers the string [m/s].
     found, straight: the march of a string that may coil, and of one that stays straight; None without contact.
@@ -61,7 +58,6 @@ class StaticProblem:
     model: DrillingModel
     solver: StaticNewton
     state: StaticState
-    components: tuple[Contact | Bit, ...]
     fraction: float
     lowering: float
     found: March | None
@@ -72,17 +68,13 @@ class StaticProblem:
     @property
     def moves(self) -> bool:
         """Whether friction acts."""
-        return bool(self.components) and (self.state.motion != (0.0, 0.0) or self.motor_speed != 0)
+        rubs = self.model.contact is not None or self.model.bit is not None
+        return rubs and (self.state.motion != (0.0, 0.0) or self.model.motor_speed != 0)
 
     @property
     def turns(self) -> bool:
         """Whether any part of the string turns."""
-        return bool(self.state.motion[1] or self.motor_speed)
-
-    @property
-    def motor_speed(self) -> float:
-        """What a downhole motor adds to the spin below it [rad/s]."""
-        return self.model.motor_speed
+        return bool(self.state.motion[1] or self.model.motor_speed)
 
     def save(self) -> Callable[[], None]:
         """Copy all that a search changes; the function returned puts it back, with friction set aside."""
@@ -106,7 +98,7 @@ class StaticProblem:
         """Let friction oppose the motion, with a ``fraction`` of its lateral force, which is then the state's."""
         self.state.lateral_fraction = fraction
         for component in self.model.components:
-            component.impose_sliding_direction(*self.state.motion, fraction, self.motor_speed)
+            component.impose_sliding_direction(*self.state.motion, fraction, self.model.motor_speed)
 
     def set_friction_aside(self) -> None:
         """No friction acts from now on."""

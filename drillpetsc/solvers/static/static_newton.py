@@ -22,7 +22,6 @@ from drillpetsc.kernels import function, pointer
 from drillpetsc.parallel import largest, total
 from drillpetsc.solvers.chain.chain_lu import ZeroPivot
 from drillpetsc.solvers.chain.constraint_products import ConstraintProducts
-from drillpetsc.solvers.static.lateral_loads import lateral_loads
 from drillpetsc.solvers.static.newton_progress import CONVERGED_INCREMENT, ROUNDING_INCREMENT, NewtonProgress
 from drillpetsc.solvers.static.search_limit import SearchLimit
 from drillpetsc.solvers.time.newton import shared_factor
@@ -527,10 +526,6 @@ class StaticNewton:
         report.residual = self.largest(
             float(np.max(np.abs(self._gradient(self.rows())[self._owned]), initial=0.0))
         )
-
-    def add_imperfection(self, size: FloatArray, spacing: float | None = None) -> None:
-        """Add persistent random lateral loads, see ``lateral_loads``, as the assembly's dead load."""
-        self.system.assembly.dead_load = lateral_loads(self.system, size, spacing=spacing)
 
 
 def diagonal_blocks(system: DiscreteSystem, fields: tuple[str, ...]) -> list[tuple[np.ndarray, np.ndarray]]:

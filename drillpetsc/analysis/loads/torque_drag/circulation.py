@@ -14,7 +14,7 @@ import numpy as np
 
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, Pipe, string_at
 from drillpetsc.analysis.hydraulics.losses import annulus_stress, element_losses
-from drillpetsc.arrays import FloatArray
+from drillpetsc.arrays import FloatArray, sums_from_below
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.model.fluid import build_rheology
@@ -96,7 +96,7 @@ def forces_of(model: FlowModel, speed: float) -> Circulation:
         force -= losses.above * (above + around)
         mass_flow = channel.flows(model.system) * model.fluid.constants.density
         force += mass_flow**2 / losses.density * channel.parameter("shoulder")
-    below = np.append(np.cumsum(force[::-1])[::-1], 0.0)
+    below = sums_from_below(force)
     still = np.zeros(count + 1)
     bore, annulus = (model.pressure(name) for name in ("bore", "annulus"))
     flows = model.flow_rate("bore")

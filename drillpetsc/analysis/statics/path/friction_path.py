@@ -30,10 +30,7 @@ from drillpetsc.solvers.static.search_limit import SearchEnded
 from drillpetsc.solvers.static.static_newton import AXIAL_SHARE, Drag, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import shown
 
-SEED = 1e-3  # random side loads, as a share of the weight
-SEED_SPACING = (
-    3.0  # of independent side loads along the string, the same on all meshes: part of the history [m]
-)
+SEED = 1e-3  # random side loads, as a share of the weight; part of the history
 SPEED = 1.0  # of the string past the hole while it slides [m/s]
 SETTLE, HOLD, START = 0.5, 0.5, 1.0  # times of: the string lies down; its load stays; it begins to slide [s]
 SLIDE, LONGEST_SLIDE = 30.0, 60.0  # distance that the string slides [m]
@@ -109,7 +106,7 @@ class FrictionPath:
         if kind == "slack_off" and model.case.top.force is not None:
             speed = abs(model.case.top.force.value(0.0)) * axial_compliance(model.mesh) / self.settings.ramp
             self._slip = min(self.settings.slip, SLIP_SHARE * speed)
-        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model), spacing=SEED_SPACING)
+        self.seeds = lateral_loads(model.system, SEED * nodal_weight(model))
         self._push = self._end_load()
         #: push that changes of the force are compared with [N]: the given one, or the largest of the straight string
         self._scale = (
@@ -180,13 +177,9 @@ class FrictionPath:
             self._obstacle[self._of_node("string.position", last)] = -self._scale * model.tangent[-1]
         self._lay_down(straight)
 
-        def move() -> tuple[float, float]:
-            if self.kind == "sliding":
-                return self._slide(OVERLOAD if start == "overload" else 1.0)
-            self._slack_off()
-            return 0.0, 0.0
-
-        return self._moved(start, move)
+        if self.kind == "slack_off":
+            return self._moved(start, self._slack_off)
+        return self._moved(start, lambda: self._slide(OVERLOAD if start == "overload" else 1.0))
 
     def follow_on(self, largest_push: float) -> PathEnd:
         """Let the string slide on from its present state, near an equilibrium under its whole load; collective.
@@ -230,18 +223,16 @@ class FrictionPath:
         finally:
             asm.hold_rates(None)
             solver.depth = depth
-        negative = self._close(held)
-        hook, wob = self._end_forces()
+        # the state is an equilibrium already; Newton's method would leave a state that friction alone holds
+        asm.dead_load = self.seeds + held
+        for component in self.components:  # stability is counted with friction as a dead load
+            component.impose_sliding_direction(0.0, 0.0)
+        negative = solver.negative_pivots()
+        self._friction_at_end()
+        solver.rows()
+        torque = self._torque() if self.turns else 0.0
         return PathEnd(
-            start,
-            hook,
-            wob,
-            self._torque() if self.turns else 0.0,
-            negative,
-            change,
-            slid,
-            self.steps,
-            self.report.iterations,
+            start, *self._end_forces(), torque, negative, change, slid, self.steps, self.report.iterations
         )
 
     def _lay_down(self, found: March) -> None:
@@ -315,16 +306,17 @@ class FrictionPath:
             self._friction(speed)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
 
-    def _slack_off(self) -> None:
-        """Lower the top onto the bit that stands, or raise the top's force."""
+    def _slack_off(self) -> tuple[float, float]:
+        """Lower the top onto the bit that stands, or raise the top's force; nothing slides."""
         if self._wob is None:
             self._settle(0.0)
             ramp = self.settings.ramp  # the load is not held: friction would creep
             self._advance(ramp, lambda t: t / ramp, ramp / RAMP_STEPS)
-            return
-        self._run_in()
-        self._friction(0.0)
-        self._lower(self._wob)
+        else:
+            self._run_in()
+            self._friction(0.0)
+            self._lower(self._wob)
+        return 0.0, 0.0
 
     def _run_in(self) -> None:
         """Let the string slide with its bit above the bottom."""
@@ -380,7 +372,7 @@ class FrictionPath:
             if past is not None:
                 self._friction(past(t + d))
             guess = last * (d / last_dt) if last is not None and d <= 2 * last_dt else None
-            iterations = self._try_step(before, d, speed * d, guess)
+            iterations = self._step(before, d, speed * d, guess)
             wob = self._end_forces()[1] if target and iterations is not None else 0.0
             beyond = target is not None and wob > (1 + WEIGHT_TOLERANCE) * target
             if iterations is None or beyond:
@@ -407,39 +399,31 @@ class FrictionPath:
                 dt = min(d * factor, longest)
         return log
 
-    def _try_step(self, before: Snapshot, dt: float, moved: float, guess: FloatArray | None) -> int | None:
-        """Take a step from ``before`` with ``guess``, and again without it if that fails; returns as ``_step``.
+    def _step(self, before: Snapshot, dt: float, moved: float, guess: FloatArray | None) -> int | None:
+        """Take a step of implicit Euler of ``dt`` [s] from ``before``; returns its iterations, None if it does not converge.
 
-        moved: way of the top [m, down].  A string that slides on from a state near its own does not try again.
+        moved: way of the top [m, down].  guess: (n,) first guess of the motion; if it fails, a string that is not near its own state
+        tries again without it.
         """
+        settings, solver = self.settings, self.solver
+        # drag along the string would keep the motion of the top from the bit, which it has to bring to its weight
+        along = settings.along if solver.depth is None else AXIAL_SHARE
         again = guess is not None and self.most_steps != MOST_STEPS_ON
         for guessed in (guess, None) if again else (guess,):
             before.restore()
-            if moved:
-                self.model.top.shift(moved)
-            iterations = self._step(dt, guessed)
-            if iterations is not None:
-                return iterations
+            self.model.top.shift(moved)
+            iterations = self.report.iterations
+            try:
+                with solver.drag(Drag(settings.drag / dt, along, settings.arm, 1.0 / dt)):
+                    if guessed is not None:
+                        solver.move(guessed)
+                    solver.newton(self.report, STEP_INCREMENT, STEP_ITERATIONS)
+                return self.report.iterations - iterations
+            except SearchEnded:
+                raise
+            except SolveError:
+                continue
         return None
-
-    def _step(self, dt: float, guess: FloatArray | None) -> int | None:
-        """Take a step of implicit Euler of ``dt`` [s]; returns its iterations, None if it does not converge; x is then anywhere.
-
-        guess: (n,) first guess of the motion.
-        """
-        settings, solver, before = self.settings, self.solver, self.report.iterations
-        # drag along the string would keep the motion of the top from the bit, which it has to bring to its weight
-        along = settings.along if solver.depth is None else AXIAL_SHARE
-        try:
-            with solver.drag(Drag(settings.drag / dt, along, settings.arm, 1.0 / dt)):
-                if guess is not None:
-                    solver.move(guess)
-                solver.newton(self.report, STEP_INCREMENT, STEP_ITERATIONS)
-        except SearchEnded:
-            raise
-        except SolveError:
-            return None
-        return self.report.iterations - before
 
     def _renew_flow(self) -> None:
         """Solve for the steady flow about the present string, and freeze it."""
@@ -488,38 +472,33 @@ class FrictionPath:
 
     # ------------------------------------------------------------------ closing
     def _held(self) -> FloatArray:
-        """Forces (n,) that the equilibrium lacks at the end of a path, by the local unknowns.
+        """Forces (n,) on free unknowns that the equilibrium lacks at the end of a path.
 
         Those of drag and friction, which is set aside; of a string that turns the drag's alone.
         """
         self._friction_at_end()
-        return self._missing_forces()
-
-    def _missing_forces(self) -> FloatArray:
-        """Forces (n,) on free unknowns that the state lacks to be an equilibrium."""
         out = self.solver.rows()
         for f in self.model.system.assembly.row_replacements:
             out[f.rows] = f.row_complement @ out[f.rows]
         return out
 
-    def _close(self, held: FloatArray) -> int:
-        """Make the state an equilibrium with ``held`` as the assembly's dead load; returns its negative pivots.
-
-        It is one already; Newton's method would leave a state that friction alone holds.
-        """
-        asm, solver = self.model.system.assembly, self.solver
-        asm.dead_load = self.seeds + held
-        for component in self.components:  # stability is counted with friction as a dead load
-            component.impose_sliding_direction(0.0, 0.0)
-        negative = solver.negative_pivots()
-        self._friction_at_end()
-        solver.rows()
-        return negative
-
     def _friction_at_end(self) -> None:
         """Friction of the state that a path ends in: of a string that turns against the imposed motion, else a dead load."""
         for component in self.components:
             component.impose_sliding_direction(*(self.velocity if self.turns else (0.0, 0.0)), 0.0)
+
+    def answer(self, ends: tuple[PathEnd, ...], failed: tuple[tuple[str, str], ...] = ()) -> PathAnswer:
+        """What the ``ends`` of paths, that of the present state first, say; ``failed``: as of ``PathAnswer``."""
+        return PathAnswer(
+            kind=self.kind,
+            ends=ends,
+            persistent_load=self.seeds,
+            force_given=self.model.case.top.force is not None,
+            turns=self.turns,
+            failed=failed,
+            held_end=end_is_held(self.model),
+            may_slack_off=may_slack_off(self.model, self.velocity),
+        )
 
 
 def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
@@ -534,8 +513,4 @@ def follow_paths(path: FrictionPath, starts: tuple[str, ...]) -> PathAnswer:
         except SolveError as error:
             failed.append((start, str(error).splitlines()[0]))
     ends.append(path.follow(starts[0]))
-    force_given = path.model.case.top.force is not None
-    also = {"held_end": end_is_held(path.model), "may_slack_off": may_slack_off(path.model, path.velocity)}
-    return PathAnswer(
-        path.kind, tuple(ends[::-1]), path.seeds, force_given, path.turns, tuple(failed), **also
-    )
+    return path.answer(tuple(ends[::-1]), tuple(failed))

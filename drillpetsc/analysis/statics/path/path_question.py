@@ -13,20 +13,20 @@ from drillpetsc.physics.tools.reamer import Reamer
 
 def has_path(model: DrillingModel, motion: tuple[float, float]) -> bool:
     """Whether a path has a meaning for ``model`` and ``motion``: of steady sliding, or of a string that nothing moves."""
-    try:
-        refuse_path(model, motion if any(motion) else (1.0, 0.0), "sliding")
-    except CaseError:
-        return False
-    return True
+    return _allowed(model, motion if any(motion) else (1.0, 0.0), "sliding")
 
 
 def may_slack_off(model: DrillingModel, motion: tuple[float, float]) -> bool:
     """Whether ``motion`` of ``model`` may also be answered by slack-off on a bit that stands."""
+    return model.bit is not None and _allowed(model, motion, "slack_off")
+
+
+def _allowed(model: DrillingModel, motion: tuple[float, float], path: str) -> bool:
     try:
-        refuse_path(model, motion, "slack_off")
+        refuse_path(model, motion, path)
     except CaseError:
         return False
-    return model.bit is not None
+    return True
 
 
 def nothing_holds(model: DrillingModel) -> bool:

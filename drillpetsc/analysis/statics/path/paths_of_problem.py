@@ -10,8 +10,7 @@ import numpy as np
 from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.path.friction_path import SEED, FrictionPath, follow_paths
 from drillpetsc.analysis.statics.path.path_answer import PathAnswer, PathKind
-from drillpetsc.analysis.statics.path.path_question import may_slack_off
-from drillpetsc.analysis.statics.placement import end_is_held, top_depth
+from drillpetsc.analysis.statics.placement import top_depth
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -57,21 +56,11 @@ def slides_on(problem: StaticProblem) -> bool:
     path = _path(problem, "sliding")
     try:
         end = path.follow_on(largest_push)
-        steady = end.steady
+        if end.steady:
+            _take(problem, path.answer((end,)), state.equilibrium.imperfection)
+            return True
     except SolveError:
-        steady = False
-    if steady:
-        answer = PathAnswer(
-            "sliding",
-            (end,),
-            path.seeds,
-            model.case.top.force is not None,
-            path.turns,
-            held_end=end_is_held(model),
-            may_slack_off=may_slack_off(model, state.motion),
-        )
-        _take(problem, answer, state.equilibrium.imperfection)
-        return True
+        pass
     restore()
     return False
 

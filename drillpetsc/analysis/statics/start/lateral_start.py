@@ -29,7 +29,6 @@ from drillpetsc.solvers.static.lateral_beam import (
 from drillpetsc.solvers.static.lateral_loads import lateral_shares
 from drillpetsc.solvers.static.search_limit import SearchLimit
 
-SPACING = 3.0  # of independent side loads, the same on all meshes [m]
 LYING_SHARE = 0.01  # of the push: a side load on the string above the buckle that holds it on the wall
 GROWTH, LONGEST = 1.3, 60.0  # of the elements above the buckle: ratio of neighbours, length [m]
 MARGIN = 6.0  # of (EI/w)^(1/3) above the uppermost push, over which a buckle dies out
@@ -70,7 +69,7 @@ def lateral_start(straight: March, coiled: March, limit: SearchLimit) -> Lateral
     # only on the pushed part: kilometres of pipe in tension would lie down on the wall under them
     tension = at_nodes(found.effective_tension, found.effective_tension)
     size = np.where(tension < 0, side_load_size(model), 0.0)
-    shares = lateral_shares(model.mesh.node_depth, spacing=SPACING)
+    shares = lateral_shares(model.mesh.node_depth)
     if not any(model.case.gravity):  # a string without weight is led by a share of the force on its helix
         size = model.case.initial.imperfection * coiled.contact_force
         shares = found.shape[:, :2] / max(np.abs(found.shape).max(), 1e-9)

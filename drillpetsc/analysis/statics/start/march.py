@@ -12,7 +12,7 @@ import numpy as np
 
 from drillpetsc.analysis.statics.checks.slider_travel import travels
 from drillpetsc.analysis.statics.placement import end_is_held, is_slanted, top_depth
-from drillpetsc.arrays import FloatArray, halves_at_nodes
+from drillpetsc.arrays import FloatArray, halves_at_nodes, sums_from_below
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import directors
 from drillpetsc.model.drilling_model import DrillingModel
@@ -138,11 +138,6 @@ class March:
         return self.axial_force[1:-1] + self.string.wet
 
     @property
-    def usual_contact_force(self) -> float:
-        """Force per length [N/m] that nine tenths of the nodes do not exceed."""
-        return float(np.quantile(self.contact_force / np.maximum(self.string.half, 1e-9), 0.9))
-
-    @property
     def side_load(self) -> FloatArray:
         """(n, 3) load across the hole, of weight, flow and tension in its curvature [N]."""
         return self.string.side_load(self.axial_force)
@@ -153,12 +148,12 @@ class March:
         The bit stays where it is, or the top where the bit stands under a held top.
         """
         string, more = self.string, contact - self.contact_force
-        change = -_sum_from_below(string.drag * more)
+        change = -sums_from_below(string.drag * more)
         if push is not None:
             change -= push + self.axial_force[-1]
         if string.model.case.top.force is not None:
             change -= change[0]  # the top is given, so the bit feels the difference
-        torque = self.torque + _sum_from_below(string.around * more)
+        torque = self.torque + sums_from_below(string.around * more)
         return replace(self, axial_force=self.axial_force + change, contact_force=contact, torque=torque)
 
 
@@ -392,7 +387,7 @@ class Marcher:
             steps[node] += rocks * np.sign(self.around[node])
         # rows are loads on the string: from the bit up, each node adds what it takes from the pipe above
         rock = 0.0 if model.bit is None else model.bit.torque_for(wob, self.turning) * np.sign(self.turning)
-        torque = _sum_from_below(steps) + rock
+        torque = sums_from_below(steps) + rock
         on_wall = bool(
             contact[0] > LATERAL_LOAD_THRESHOLD * self.weight[1] * self.half[0] and coiling[0] <= 1
         )
@@ -517,30 +512,24 @@ def stands(model: DrillingModel) -> bool:
     )
 
 
-def _sum_from_below(values: FloatArray) -> FloatArray:
-    """Sums (n+1,) of ``values`` (n,) of the nodes below each boundary."""
-    return np.append(np.cumsum(values[::-1])[::-1], 0.0)
-
-
 def _nodal_strains(mesh: StringMesh, strain: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Axial strain above and below each node, (n,) each, from that in the middle of the elements (n-1,).
+    """Axial strain above and below each node, (n,) each, from that of the elements (n-1,).
 
-    It is linear along a pipe; it jumps at junctions and joints.
+    It is continuous along a pipe; it jumps at junctions and joints.
     """
-    L, elements = mesh.length, len(strain)
-    whole = ~mesh.is_joint
-    inner = np.zeros(mesh.nodes, dtype=bool)
-    inner[1:-1] = whole[1:] & whole[:-1]
-    if len(mesh.junction):
-        inner &= ~mesh.junction
-    at = np.zeros(mesh.nodes)
-    both = np.flatnonzero(inner)
-    at[both] = (strain[both - 1] * L[both] + strain[both] * L[both - 1]) / (L[both - 1] + L[both])
-    upper, lower = at[:-1].copy(), at[1:].copy()
-    ends = ~inner[:-1], ~inner[1:]
-    upper[ends[0]] = np.where(ends[1], strain, 2 * strain - lower)[ends[0]]
-    lower[ends[1]] = np.where(ends[0], strain, 2 * strain - at[:-1])[ends[1]]
-    above, below = np.append(upper[0], lower), np.append(upper, lower[-1])
+    above, below, L, pipe = (
+        np.append(strain[0], strain),
+        np.append(strain, strain[-1]),
+        mesh.length,
+        ~mesh.is_joint,
+    )
+    jumps = mesh.junction[1:-1] if len(mesh.junction) else np.zeros(mesh.nodes - 2, dtype=bool)
+    inner = 1 + np.flatnonzero(pipe[1:] & pipe[:-1] & ~jumps)
+    up, down = inner - 1, inner
+    above[inner] = below[inner] = (strain[up] * L[down] + strain[down] * L[up]) / (L[up] + L[down])
+    upper, lower, ends = below[:-1], above[1:], np.isin(np.arange(mesh.nodes), inner, invert=True)
+    for one, other, alone in ((upper, lower, ends[:-1] & ~ends[1:]), (lower, upper, ends[1:] & ~ends[:-1])):
+        one[alone] = (2 * strain - other)[alone]  # it is linear in an element
     joint = np.flatnonzero(mesh.is_joint)
-    below[joint], above[joint + 1] = above[joint], below[np.minimum(joint + 1, elements)]
+    below[joint], above[joint + 1] = above[joint], below[joint + 1]
     return above, below

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from drillpetsc.arrays import sums_from_below
 from drillpetsc.geometry.well import Well
 
 Array = NDArray[np.float64]
@@ -95,7 +96,6 @@ def torque_drag(
     bottom_torque: float = 0.0,
     axial_velocity: float = 0.0,
     rotation: float = 0.0,
-    friction: ArrayLike | None = None,
 ) -> TorqueDrag:
     """Integrate the soft string from the bottom up (manual: sec-soft-string-integration).
 
@@ -109,7 +109,6 @@ def torque_drag(
     bottom_force: axial force at md[-1] [N], compression negative.
     bottom_torque: torque of the rock on the string [N m].
     axial_velocity: [m/s], positive when hoisting; rotation: [rad/s].
-    friction: friction coefficient [-], None: that of the well.
 
     Raises ValueError where md does not increase.
     """
@@ -125,12 +124,7 @@ def torque_drag(
     h = np.diff(edges)
     points = edges[:-1, None] + h[:, None] * _GAUSS  # (k, 2)
     _, tangent, curvature = well.at(points)
-    if friction is None:
-        mu = well.friction(points)
-    else:
-        mu = np.broadcast_to(
-            np.broadcast_to(np.asarray(friction, dtype=float), (n,))[interval][:, None], points.shape
-        )
+    mu = well.friction(points)
     along, around = slip_direction(axial_velocity, rotation, contact_radius)
     w = weight[interval][:, None]
     down = w * tangent[..., 2]
@@ -141,7 +135,7 @@ def torque_drag(
     contact = np.linalg.norm(at_points[..., None] * curvature + across, axis=-1)
     point_weight = 0.5 * h  # weight of each Gauss point
     torque_step = point_weight * around[interval] * contact_radius[interval] * (mu * contact).sum(axis=1)
-    torque = bottom_torque + _sum_from_below(torque_step)
+    torque = bottom_torque + sums_from_below(torque_step)
     # to the order of the scheme M is linear in a step; T is known at the Gauss points
     stretch_step = point_weight * at_points.sum(axis=1) / ea[interval]
     twist_step = point_weight * (torque[:-1] + torque[1:]) / gj[interval]
@@ -217,11 +211,6 @@ def _integrate(
         t += 0.5 * step * (f1 + f2)
         tension[i] = t
     return tension, inner
-
-
-def _sum_from_below(step: Array) -> Array:
-    """Sum the steps (k,) below each edge (k+1,)."""
-    return np.append(np.cumsum(step[::-1])[::-1], 0.0)
 
 
 def _at_boundaries(well: Well, md: Array, tension: Array, weight: Array) -> tuple[Array, Array]:

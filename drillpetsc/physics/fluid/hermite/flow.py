@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.arrays import FloatArray, IntArray
+from drillpetsc.arrays import FloatArray, IntArray, sums_from_below
 from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters, Table
 from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
@@ -102,7 +102,7 @@ def volumes_at_rest(
         taken = _taken_up(annulus, annulus.annulus.wall, pressure)
         give = 1 / bit.fluid.bulk_modulus + bit.end.elasticity
         below = bit._chamber_volume(bit.rest_gap) * float(np.expm1(pressure[-1] * give)) - passed
-        out["annulus.volume"] = below + np.concatenate([np.cumsum(taken[::-1])[::-1], [0.0]])
+        out["annulus.volume"] = below + sums_from_below(taken)
     return out
 
 
