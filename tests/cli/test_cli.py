@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc.output import read_frame, read_series, read_table
-from tests.helpers.command import drillpetsc, in_own_process, python, succeeds
+from tests.helpers.command import drillpetsc, in_own_process, succeeds
 
 CASE = """
 title: small
@@ -201,31 +201,6 @@ def test_an_old_option_is_not_a_new_one_too():
     known = {option for sub in subs for option in sub._option_string_actions}
     for old, new in RENAMED_OPTIONS.items():
         assert new in known and old not in known
-
-
-def test_check_and_help_import_no_pictures_and_no_studies(finished):
-    """Only what a command needs is imported: a start takes no longer than that."""
-    heavy = ("pint", "matplotlib", "pyvista", "vtk", "scipy.optimize", "scipy.special", "rich", "h5py", "meshio",
-             "drillpetsc.plotting", "drillpetsc.studies")  # fmt: skip
-    for words, forbidden in ((["check", "small.yaml"], heavy), (["--help"], (*heavy, "numpy", "pydantic"))):
-        code = f"""
-import sys
-from drillpetsc.cli import main
-try:
-    main({words!r})
-except SystemExit:
-    pass
-print([m for m in {forbidden!r} if m in sys.modules], file=sys.stderr)
-"""
-        out = python("-c", code, cwd=finished)
-        assert out.stderr.strip() == "[]", out.stderr
-
-
-def test_import_starts_no_mpi_and_draws_nothing():
-    heavy = ("mpi4py.MPI", "petsc4py.PETSc", "pyvista", "matplotlib", "vtk")
-    code = f"import sys, drillpetsc; print([m for m in {heavy} if m in sys.modules])"
-    out = python("-c", code)
-    assert out.stdout.strip() == "[]", out.stdout + out.stderr
 
 
 def test_python_face():

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -38,14 +36,6 @@ def test_catalogue_prints_rows(capsys: pytest.CaptureFixture) -> None:
     assert cli.main(["catalogue", "5.2in"]) == 2
     assert "sizes of drill pipe: 2 3/8" in capsys.readouterr().err
     assert cli.main(["catalogue", "--files", "nowhere"]) == 2
-
-
-def test_catalogue_starts_neither_petsc_nor_numpy() -> None:
-    """Without them it answers at once."""
-    code = "import sys; from drillpetsc import cli; cli.main(['catalogue', '5in'])\n"
-    code += "print([m for m in ('petsc4py', 'mpi4py', 'numpy', 'pint', 'scipy', 'ruamel.yaml') if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
 
 
 def test_check_lists_figures_with_sources(tmp_path: Path) -> None:

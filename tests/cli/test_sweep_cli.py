@@ -124,15 +124,6 @@ def test_a_failing_member_is_told_and_does_not_stop_the_others(swept):
         assert np.array_equal(whole["hook_load [N]"], after["hook_load [N]"])
 
 
-def test_an_option_that_no_member_reads_is_refused_before_any_runs(swept):
-    done = drillpetsc(
-        "sweep small.yaml 'top.rotation=60 rpm,90 rpm' --out misspelt -ts_rtoll 1e-3",
-        cwd=swept,
-    )
-    assert done.returncode == 2 and "-ts_rtoll" in done.stderr and "did you mean -ts_rtol?" in done.stderr
-    assert not (swept / "misspelt").exists()
-
-
 def test_a_second_job_in_the_folder_is_refused(swept):
     """Another process, which holds the folder as long as it lives, as a job does."""
     code = "import sys; from pathlib import Path; from drillpetsc.output.files import lock; lock.take(Path('sweep'))"
@@ -162,21 +153,6 @@ def test_restart_runs_what_is_missing_and_continues_what_was_stopped(swept):
     assert again["status"].tolist() == ["done"] * 4 and again["ranks"].tolist() == [0, 1, 1, 0]
     for title in ("hook_load [N]", "mean_surface_torque [N m]", "energy_error_share [-]"):
         assert again[title] == pytest.approx(whole[title], rel=1e-9), title
-
-
-@pytest.mark.parametrize(
-    "words, message",
-    [
-        (("top.rotation=60 rpm,60 m",), "60 m"),
-        (("top.rotatoin=60 rpm",), "top.rotatoin"),
-        (("top.rotation",), "KEY=V1,V2"),
-        ((), "KEY=V1,V2"),
-    ],
-)
-def test_bad_words_get_status_2_before_anything_runs(swept, words, message):
-    answer = drillpetsc("sweep small.yaml", *words, "--out", "bad", cwd=swept)
-    assert answer.returncode == 2 and message in answer.stderr and "Traceback" not in answer.stderr
-    assert not (swept / "bad").exists()
 
 
 def test_a_petsc_option_does_not_swallow_a_key(swept):

@@ -22,7 +22,7 @@ from tests.helpers import whole_string as whole
 from tests.helpers.collar_in_mud import CASE as COLLAR_IN_MUD
 from tests.helpers.ranks import FIXED, OTHERWISE, run_here, same_histories
 from tests.parallel import flow_rows as flow
-from tests.parallel import test_sensors_mpi as sensors
+from tests.parallel import sensor_rows as sensors
 from tests.parallel.test_restart import CASE as WHIRL
 from tests.verification import test_ends as ends
 from tests.verification import test_sampled_law as sampled

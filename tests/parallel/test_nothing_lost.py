@@ -19,5 +19,5 @@ def test_no_damage_of_a_run_is_continued_without_a_word(capsys) -> None:
 
 
 @pytest.mark.slow
-def test_each_signal_at_a_random_moment_is_survived(capsys) -> None:
-    assert kill_test.main(["--kills", "3", "--seed", "3"]) == 0, capsys.readouterr().out
+def test_a_signal_at_a_random_moment_is_survived(capsys) -> None:
+    assert kill_test.main(["--kills", "1", "--seed", "3"]) == 0, capsys.readouterr().out

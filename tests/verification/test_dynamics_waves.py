@@ -53,28 +53,6 @@ def test_torque_step_plateau_and_top_torque():
     assert np.abs(torque[at_top].mean()) == pytest.approx(4000.0, rel=0.01)
 
 
-@pytest.mark.parametrize("kind, speed", [("torsion", 3176.96), ("axial", 5122.70)])
-def test_arrival_of_a_wave(kind, speed):
-    """Half the level at the bottom after L/c: .629532 s torsion, .390419 s axial, from a short half-cosine
-    start at the top (manual: verif-wave-arrival)."""
-    n = 400
-    mesh = uniform_string(LENGTH, n, **PIPE)
-    zero, start = Constant(0.0), Ramp(0.04, 0.1)
-    inputs = (start, zero) if kind == "torsion" else (zero, start)
-    system = straight_model(mesh, [lambda f, p, t: TopDrive(EndPlace(p[0], t[0]), *inputs)])
-
-    def sample(m):
-        return (
-            m.field("string.spin", "y")[-1, 0]
-            if kind == "torsion"
-            else m.field("string.position", "y")[-1, 2]
-        )
-
-    t, value = sampled(system, LENGTH / speed + 0.06, sample, (0.04,), ts_adapt_type="none", ts_dt=5e-4).T
-    half = np.interp(0.1, value, t)  # the free end doubles the wave: half of 2 x 0.1
-    assert half - 0.02 == pytest.approx(LENGTH / speed, rel=0.01)
-
-
 def test_spin_up_against_the_exact_torsional_wave():
     """Top speed a half cosine to 80 rpm in 2 s: the bit speed is the sum of delayed inputs (method of
     characteristics, exact; manual: verif-spin-up)."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc import Case, run
+from drillpetsc import Case
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.output import read_table
-from tests.helpers.motion import fixed
 from tests.helpers.wells import simple_well
 
 LENGTH, FRICTION = 60.0, 0.25
@@ -45,26 +43,3 @@ def test_a_string_that_lies_in_a_level_hole_is_pushed_in_against_friction():
     assert carried + held == pytest.approx(WEIGHT * LENGTH, rel=1e-4)
     assert abs(held) < 1e-3 * carried
     assert model.system.reaction("top.axial_reaction") == pytest.approx(FRICTION * WEIGHT * LENGTH, rel=2e-3)
-
-
-def test_it_slides_and_rotates_as_the_ancf_string(tmp_path):
-    """Lowered and spun up for 0.3 s: hook load, torque and bit speed over time compared with the ANCF
-    element, with fixed steps."""
-    top = {"kind": "top_drive", "rotation": {"ramp": 0.15, "value": 6.0}, "lowering": 0.1}
-    found = {}
-    for formulation in ("ancf", "quaternion"):
-        case = lying(
-            formulation,
-            top=top,
-            time={"end": 0.3},
-            petsc=fixed(1e-3),
-            output={"history_every": 0.01, "probes": [30.0]},
-        )
-        result = run(case, tmp_path / formulation, progress="silent")
-        found[formulation] = read_table(result.folder / "history.csv") | read_table(
-            result.folder / "probes.csv"
-        )
-    for column in ("surface_torque [N m]", "bit_speed [rad/s]", "x_30 [m]", "contact_30 [N]"):
-        a, b = found["ancf"][column], found["quaternion"][column]
-        assert np.sqrt(np.mean((a - b)[1:] ** 2)) < 0.02 * np.abs(a).max(), column
-    assert found["quaternion"]["bit_speed [rad/s]"].max() > 5.0

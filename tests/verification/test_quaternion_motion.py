@@ -148,33 +148,6 @@ def driven(constraint: str | None, **case):
     return straight(**(data | case))
 
 
-def test_spin_up_follows_the_ancf_element():
-    """A short string spun up by its top: bit speed and surface torque over time, both elements with BDF2 at 1
-    ms."""
-    found = {}
-    for constraint in (None, "index3", "stabilized"):
-        model, rows = (
-            driven(constraint, top={"kind": "top_drive", "rotation": {"ramp": 0.2, "value": 8.0}}),
-            [],
-        )
-        m, beam = model.system, model.beam
-
-        def sample(t, dt, m=m, component=beam, rows=rows):
-            rows.append(
-                [component.section(m.assembly, m.mesh.nodes - 1)[2], m.reaction("top.torque_reaction")]
-            )
-
-        integrate(m, 0.5, fixed(1e-3), sample, model.breaks)
-        found[constraint] = np.array(rows)
-    reference = found[None]
-    for constraint in ("index3", "stabilized"):
-        off = np.abs(found[constraint] - reference).max(axis=0) / np.abs(reference).max(axis=0)
-        assert (
-            off[0] < 2e-3
-            and np.median(np.abs(found[constraint] - reference)[:, 1]) < 2e-3 * np.abs(reference[:, 1]).max()
-        )
-
-
 def test_hook_load_and_torque_of_a_smooth_start_are_mass_times_acceleration():
     """Lowered and rotated by half-cosine ramps so slow that the string moves as a rigid body: hook load m (g
     - a), torque J dW/dt at the middle of the ramp (a = pi v/2T); waves are a per cent (travel time 0.03 s of

@@ -133,43 +133,6 @@ def test_pressure_of_the_mud(tmp_path):
     assert got["internal_pressure"] == pytest.approx(np.full(11, 1200 * G * 12), rel=1e-3)
 
 
-def test_sensor_in_a_rigid_item_feels_its_place(tmp_path):
-    """A body of 4 m on a short stiff pipe swings as a pendulum.
-
-    Two sensors in it, 1 and 3 m below its upper end: their lateral accelerations differ by those of the turning body, w' times 2 m,
-    which is what the sensors at both places of a straight line have.  The mean of the two is that in the middle, to rounding.
-    """
-    body = {
-        "kind": "body",
-        "name": "sub",
-        "length": 4.0,
-        "mass": 400.0,
-        "inertia": {"axial": 5.0, "transverse": 500.0},
-    }
-    names = {"upper": "3 m", "middle": "sub", "lower": "5 m"}
-    case = Case(
-        string=[{**PIPE, "length": 2.0, "element_length": 1.0}, body],
-        top="pinned",
-        gravity=G,
-        initial={"from": "straight", "inclination": "5 deg"},
-        time={"end": 0.5},
-        output={
-            "sensors": [
-                {"name": n, "at": at, "rate": "100 Hz", "gravity": False, "channels": ["ax", "ay", "az"]}
-                for n, at in names.items()
-            ]
-        },
-        petsc={"ts_adapt_dt_max": 0.005},
-    )
-    run(case, tmp_path / "r", progress="silent")
-    upper, middle, lower = (columns(tmp_path / "r", n) for n in names)
-    for name in ("ax", "ay", "az"):
-        size = max(np.abs(lower["ay"]).max(), 1e-9)
-        assert 0.5 * (upper[name] + lower[name]) == pytest.approx(middle[name], abs=1e-9 * size)
-    # a pendulum: the acceleration across grows in proportion to the distance from the hinge, 3 and 5 m, but for bending
-    assert np.mean(lower["ay"]) / np.mean(upper["ay"]) == pytest.approx(5 / 3, rel=0.05)
-
-
 def test_a_range_cuts_off_and_says_so(tmp_path):
     """1.5 g in a range of 1 g: -1 g, and a warning."""
     result = run(

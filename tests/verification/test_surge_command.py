@@ -175,7 +175,7 @@ def test_a_bit_on_bottom_displaces_mud_too():
     assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("leak", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize("leak", [0.1, 10.0])
 @pytest.mark.parametrize("with_bit", [True, False])
 def test_check_valve_shuts_an_open_pipe_while_running_in(with_bit, leak, monkeypatch):
     """Shut, it makes an open pipe a closed one, however slow the trip; what it leaks decides nothing (manual: eq-mud-check-valve).

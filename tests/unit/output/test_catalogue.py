@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -219,11 +217,3 @@ def test_an_output_that_the_catalogue_does_not_list_comes_last() -> None:
     own = replace(BIT[0], name="own")
     known = [(None, q) for q in reversed(BIT)]
     assert [q.name for _, q in in_order([(None, own), *known], "history.csv")] == ["wob", "bit_torque", "own"]
-
-
-def test_the_catalogue_needs_neither_petsc_nor_kernels() -> None:
-    code = (
-        "import sys, drillpetsc.output.catalogue as c; c.all_quantities(); "
-        "print([m for m in ('petsc4py', 'mpi4py', 'drillpetsc.kernels') if m in sys.modules])"
-    )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
@@ -144,34 +142,6 @@ def test_a_failing_write_leaves_series_and_frames_as_they_were(
     assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before
     monkeypatch.undo()
     assert fields.write(1.0, *helix_frame(1.0)).name == "000001.vtu"
-
-
-_WRITES_FOREVER = """
-import sys, numpy as np
-from drillpetsc.output import FieldWriter
-fields = FieldWriter(sys.argv[1])
-points = np.column_stack((np.zeros(300), np.zeros(300), np.arange(300.0)))
-for k in range(10**9):
-    fields.write(0.5 * k, points + k, {"axial_force [N]": np.full(300, float(k))})
-    print(k, flush=True)
-"""
-
-
-def test_a_killed_run_leaves_only_whole_frames(tmp_path: Path, pyvista: Any) -> None:
-    writer = subprocess.Popen(
-        [sys.executable, "-c", _WRITES_FOREVER, str(tmp_path)], stdout=subprocess.PIPE, text=True
-    )
-    assert writer.stdout is not None
-    for line in writer.stdout:
-        if int(line) >= 30:
-            break
-    writer.kill()
-    writer.communicate()
-    series = read_series(tmp_path)
-    assert len(series) >= 31
-    for k, (time, file) in enumerate(series):
-        assert time == 0.5 * k
-        assert np.array_equal(pyvista.read(file)["axial_force"], np.full(300, float(k)))
 
 
 def test_restart_removes_later_frames_and_counts_on(tmp_path: Path) -> None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,28 +70,6 @@ def test_a_failing_write_keeps_the_old_summary(tmp_path: Path, monkeypatch: pyte
         module.write_summary(path, {"steps": 2})
     assert read_summary(path) == {"steps": 1}
     assert [file.name for file in tmp_path.iterdir()] == ["summary.json"]
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "drillpetsc.output",
-        "drillpetsc.output.progress",
-        "drillpetsc.plotting.run.view",
-        "drillpetsc.plotting.run.plot",
-    ],
-)
-def test_importing_brings_no_drawing_package_and_no_mpi(name: str) -> None:
-    code = f"import sys, {name}; print(*sys.modules)"
-    loaded = set(
-        subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True
-        ).stdout.split()
-    )
-    assert name in loaded
-    assert not loaded & {
-        "pyvista", "vtk", "vtkmodules", "matplotlib", "meshio", "PIL", "mpi4py", "petsc4py", "rich",
-    }  # fmt: skip
 
 
 @each_row("text", ["{", "", "[1]", "\x00\x01"])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -56,34 +54,6 @@ def test_numpy_rows_unknown_values_and_wrong_widths(tmp_path: Path) -> None:
     assert (tmp_path / "a.csv").read_text().splitlines()[1:] == ["0.5,nan,3", "1,2,4"]
     back = read_table(tmp_path / "a.csv")
     assert np.isnan(back["hook_load [N]"][0]) and back["newton [-]"].tolist() == [3.0, 4.0]
-
-
-_WRITES_FOREVER = """
-import sys, time
-from drillpetsc.output import Table
-table = Table(sys.argv[1], [("time", "s"), ("x", "m")])
-for k in range(10**9):
-    table.add([0.001 * k, k / 3])
-    print(k, flush=True)
-"""
-
-
-def test_a_killed_run_has_every_row_it_added(tmp_path: Path) -> None:
-    path = tmp_path / "history.csv"
-    writer = subprocess.Popen(
-        [sys.executable, "-c", _WRITES_FOREVER, str(path)], stdout=subprocess.PIPE, text=True
-    )
-    assert writer.stdout is not None
-    for line in writer.stdout:
-        if int(line) >= 200:
-            break
-    os.kill(writer.pid, signal.SIGKILL)
-    rest = writer.stdout.read().split()
-    writer.wait()
-    said = int(rest[-1]) if rest else 200
-    x = read_table(path)["x [m]"]
-    assert len(x) >= said + 1
-    assert np.array_equal(x, np.arange(len(x)) / 3)
 
 
 _FILLS_THE_DISK = """

@@ -4,8 +4,6 @@ pictures."""
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -254,16 +252,6 @@ def test_a_drawing_that_fails_does_not_fail_the_sweep(tmp_path: Path, capsys: py
     assert capsys.readouterr().err == ""
     with unrendered():
         assert len(sweep_module._pictures(plan_of(density_sweep(tmp_path / "out")), drilled)) == 3
-
-
-def test_a_sweep_without_new_hole_imports_no_matplotlib(tmp_path: Path) -> None:
-    code = (
-        "import sys; from pathlib import Path; from drillpetsc.studies.sweep import sweep as sweep_module\n"
-        "from drillpetsc.studies.sweep.table import Plan\n"
-        "plan = Plan('', 'sweep.csv', Path('.'), Path('.'), (), ())\n"
-        "assert sweep_module._pictures(plan, [{'wob [N]': 1.0}]) == [] and 'matplotlib' not in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=tmp_path)
 
 
 # ---------------------------------------------------------------------- one run
