@@ -130,7 +130,7 @@ def string_at(case: Case, depth: float) -> PlacedString:
         left -= item.length
     if left >= SHORTEST_PIECE:
         length = said(case.string_length, "length", units)
-        raise wrong(f"at most {length}, the length of the string: its topmost item is no pipe")
+        raise wrong(f"at most {length}, the length of the string: its topmost item is not a pipe")
     if not any(isinstance(item, Flexible) for item in items):
         raise wrong("a depth at which a pipe is in the hole")
     return PlacedString(tuple(items), tuple(number), 0.0)

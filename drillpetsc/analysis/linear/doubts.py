@@ -451,7 +451,7 @@ remark(
 )
 remark(
     Responded,
-    "the lower end does not stand on bottom: the excitation acts on a hanging string",
+    "the lower end is off bottom: the excitation acts on a hanging string",
     lambda at: at.excitation.kind == "bit" and not _bit(at.model),
 )
 

@@ -38,7 +38,7 @@ class SamplesFailed(Doubt):
 
     about = (Drawn,)
     sentence = (
-        "{output}: {failed} of {samples} samples have no solution, and the quantiles are those of the others"
+        "{output}: {failed} of {samples} samples have no solution, and the quantiles are from the others"
     )
     remedy = "Narrow the distributions of `uncertain`, or read the share of failed samples as the probability of failing."
 

@@ -378,7 +378,7 @@ def _load(
         load, omega = orbit_load(model)
         if omega < LEAST_ORBIT:
             raise SolveError(
-                f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
+                f"at {rpm_of(speed):g} rpm the motor's rotor does not orbit, so it excites nothing"
             )
         return load, omega
     if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:

@@ -180,12 +180,12 @@ def _torque_notes(case: Case, word: str | None) -> list[str]:
     more = (
         ""
         if abs(own - other) < 0.01 * other
-        else f"; --operation drilling takes that of the roadmap, {shown(other, 'torque', units)}"
+        else f"; --operation drilling takes the roadmap's, {shown(other, 'torque', units)}"
     )
     if not given and not more:
         return []
     return [
-        f"torque on bit where the string turns: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
+        f"torque on bit while the string rotates: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
     ]
 
 

@@ -93,7 +93,7 @@ def case_of(case: Case, name: str) -> Case:
         raise CaseError(
             at=at,
             got=name,
-            want="no top.force: the operation moves the top, and its hook load is the answer",
+            want="no top.force: the operation moves the top, and the hook load is a result",
             hint="without --operation the case is taken as it is",
         )
     if isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free":

@@ -259,7 +259,9 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     for name in dict.fromkeys(group):
         if len(set(own[group == name])) > 1 and name not in given:
             words = {"cased": "cased", "open_hole": "open-hole"}.get(str(name), f"{name}")
-            notes.append(f"several {words} sections with friction of their own: that of the deepest is given")
+            notes.append(
+                f"several {words} sections with different friction factors: the deepest section's is shown"
+            )
     if factors is None:
         return [pair(own * f, f) for f in FACTORS]
     if factors.combine == "all":
