@@ -438,7 +438,7 @@ class _Session:
 
 @dataclass
 class _Score:
-    """How good the forecasts of one stand before were; sums over n rows."""
+    """How good the forecasts made one stand earlier were; sums over n rows."""
 
     n: int = 0
     square: float = 0.0

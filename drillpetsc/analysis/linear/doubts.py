@@ -124,7 +124,7 @@ class Reduction(Moment):
 
 # ---------------------------------------------------------------------- modes
 class ReferenceFrequency(Doubt):
-    """The force of the mud on some modes is that at a reference frequency, because their own was not found."""
+    """The force of the mud on some modes is taken at a reference frequency, because their own was not found."""
 
     about = (Modal,)
     sentence = "{kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
@@ -470,7 +470,7 @@ class NotBalanced(Doubt):
 
 
 class FreeMotions(Doubt):
-    """Parts of the model move without resistance, so that constant inputs have no steady answer."""
+    """Parts of the model move without resistance, so that constant inputs have no steady response."""
 
     about = (Reduction,)
     sentence = "unrestrained rigid-body motions: {kinds}"

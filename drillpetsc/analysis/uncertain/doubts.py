@@ -34,7 +34,7 @@ class Drawn(CaseMoment):
 
 
 class SamplesFailed(Doubt):
-    """Some samples have no solution: a number outside its limits, no steady flow, or a string that cannot bear its weight on bit."""
+    """Some samples have no solution: a number outside its limits, no steady flow, or a string that cannot carry its weight on bit."""
 
     about = (Drawn,)
     sentence = (

@@ -294,7 +294,7 @@ def missing_output(
 
 
 def _lines(path: Path) -> list[str]:
-    """Lines of a table with their ends; bytes that are no text, in a damaged one, are replaced."""
+    """Lines of a table with their ends; bytes that are not text, in a damaged one, are replaced."""
     return path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
 
 

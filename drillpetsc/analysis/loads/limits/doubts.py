@@ -115,7 +115,7 @@ class MakesUp(_Passed):
 
 
 class SharpDogleg(_Passed):
-    """The hole bends more than drill pipe bears without fatigue while it turns under tension (API RP 7G)."""
+    """The hole bends more than drill pipe withstands without fatigue while it turns under tension (API RP 7G)."""
 
     column = "fatigue_ratio"
     sentence = "dogleg {value:.3g} times the permissible one of API RP 7G at MD {md:length 5} ({item})"

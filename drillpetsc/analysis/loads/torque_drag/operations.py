@@ -118,7 +118,7 @@ _KINDS = {"tob": "torque", "rop": "rop", "speed": "trip_speed", "rpm": "rotation
 
 
 def assumed(case: Case, plan: Roadmap, word: str) -> str:
-    """What of drilling, sliding or backreaming was assumed, in the units of the case; empty where all is given."""
+    """What of drilling, sliding or backreaming was assumed, in the units of the case; empty if all is given."""
     block, units = getattr(plan, word), case.shown_units
     missing = [key for key in _KINDS if key in type(block).model_fields and key not in block.model_fields_set]
     parts = []

@@ -56,7 +56,7 @@ def run_calibrate(
 ) -> RunResult:
     """Fit friction factors to measured points (collective).
 
-    points: measured; None: those of the case. Every rank computes the same, the first one writes.
+    points: measured; None: the case's. Every rank computes the same, the first one writes.
     """
     case = job.case
     plan, system = plan_of(case), case.shown_units
