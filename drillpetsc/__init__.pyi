@@ -2803,7 +2803,7 @@ def open_run(
     """The result in a run folder: tables, pictures, summary. Nothing is computed, and neither PETSc nor MPI is started.
 
     folder: run folder of `run`, `statics`, `hydraulics`, `surge` or `modes`, finished or not
-    Raises CaseError where the folder does not exist or holds no results.
+    Raises CaseError if the folder does not exist or holds no results.
     """
     ...
 

@@ -32,7 +32,7 @@ Answer = Callable[[Mapping[str, str]], Any]
 
 
 class Server(ThreadingHTTPServer):
-    """Pages, and functions that answer them.
+    """Pages, and functions that serve them.
 
     pages: path -> (type, function that returns the text); get, post: functions by name, under `api/`.
     """
@@ -141,7 +141,7 @@ class Handler(BaseHTTPRequestHandler):
 
 
 def run_server(host: str, port: int, source: Any) -> Server:
-    """A server of the page of a run; it answers when ``serve_forever`` is called."""
+    """A server of the page of a run; it serves when ``serve_forever`` is called."""
     from drillpetsc.browser.page import render, script_that_draws
 
     script = script_that_draws()
@@ -161,7 +161,7 @@ def run_server(host: str, port: int, source: Any) -> Server:
 
 
 def case_server(host: str, port: int, form: Any) -> Server:
-    """A server of the form of a case; it answers when ``serve_forever`` is called."""
+    """A server of the form of a case; it serves when ``serve_forever`` is called."""
     from drillpetsc.browser.page import render
 
     pages = {"/": ("text/html", lambda token: render("case", title=form.path.name))}
@@ -171,7 +171,7 @@ def case_server(host: str, port: int, form: Any) -> Server:
 
 
 def serve(server: Server, open_page: bool) -> None:
-    """Print the address of a page, open it, and answer until Ctrl-C."""
+    """Print the address of a page, open it, and serve it until Ctrl-C."""
     import webbrowser
 
     print(f"page: {server.url}", flush=True)

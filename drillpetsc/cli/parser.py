@@ -194,7 +194,7 @@ def split_words(words: list[str]) -> tuple[list[str], list[str]]:
 
 
 def _refuse_old(words: list[str]) -> None:
-    """Raise CaseError for an option of before, which names that of now."""
+    """Raise CaseError for a former option, which names the present one."""
     for old in (word.partition("=")[0] for word in words):
         if old in RENAMED_OPTIONS:
             new = RENAMED_OPTIONS[old]

@@ -146,9 +146,15 @@ def directors(
     nodes: (k,) numbers; v: (k, 3) slopes [-]; phi: (k,) spin angles [rad].
     """
     t = v / np.linalg.norm(v, axis=1, keepdims=True)
-    a, b2 = frames.reference[nodes], frames.second_director[nodes]
+    return turned_directors(frames.reference[nodes], frames.second_director[nodes], t, phi[:, None])
+
+
+def turned_directors(
+    a: FloatArray, b2: FloatArray, t: FloatArray, phi: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The same of unit reference directions ``a``, second reference directors ``b2`` and tangents ``t`` (k, 3); phi: (k, 1)."""
     b3 = cross(a, b2)
-    c, s = np.cos(phi)[:, None], np.sin(phi)[:, None]
+    c, s = np.cos(phi), np.sin(phi)
     factor = (a + t) / (1.0 + np.sum(a * t, axis=1, keepdims=True))
     e2, e3 = c * b2 + s * b3, c * b3 - s * b2
     return (

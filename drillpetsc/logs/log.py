@@ -32,7 +32,7 @@ class Log:
 
     values: channel -> (n,) SI, nan where nothing was read; `time` counts from the first row.
     titles: channel -> title of its column.
-    start: time of the first row, None for a log without a clock; begins: seconds that stand in the first row, 0 for one with a clock.
+    start: time of the first row, None for a log without a clock; begins: seconds of the first row, 0 for one with a clock.
     mapped: channels whose column the user named.
     unused: titles of columns that are not used; remarks: what was assumed; warnings: what is wrong with a column.
     """
@@ -265,7 +265,7 @@ def _without_commas(sheets: list[Sheet], channel: str, cells: list[str]) -> list
 
 
 def _times(sheets: list[Sheet], texts: dict[str, list[str]], unit: str) -> tuple[FloatArray, datetime | None]:
-    """(seconds since the first row and its time; without a clock seconds as they stand, and None)."""
+    """(seconds since the first row and its time; without a clock seconds as written, and None)."""
     cells = texts["time"]
     if "date" in texts:
         cells = [f"{day} {clock}" for day, clock in zip(texts["date"], cells, strict=True)]

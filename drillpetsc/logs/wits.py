@@ -53,7 +53,7 @@ class WitsFrames:
         self.ahead = 0  # rows whose clock jumped ahead and back
 
     def lines(self, text: list[str]) -> list[str]:
-        """Lines of the table for whole lines of a feed; what stands outside of frames is not data."""
+        """Lines of the table for whole lines of a feed; what is outside of frames is not data."""
         out = []
         if not self._begun:
             out, self._begun = [",".join([TIME, *self._items])], True

@@ -50,7 +50,7 @@ CHANGE = (
     "given several times"
 )
 
-#: option of before -> that of now; an old one is answered with the new one
+#: former option -> the present one, which the error names
 RENAMED_OPTIONS = {"--companion": "--mesh-error", "--rpm": "--speeds", "--speed": "--speeds", "-o": "--out"}
 
 

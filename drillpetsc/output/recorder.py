@@ -401,7 +401,7 @@ class Recorder:
         if self.energy is not None:
             self.energy.set_state(saved)
         if self.mass is not None:
-            self.mass.set_state(saved, float(self._samples[-1][1][self._content]))
+            self.mass.set_state(saved)
         if self.time_error is not None:
             self.time_error.set_state(saved)
         if self.sensors is not None:

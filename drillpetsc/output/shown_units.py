@@ -82,7 +82,7 @@ def shown_unit(name: str, unit: str, system: System, plot: bool = False) -> tupl
 
 
 def key_unit(name: str, unit: str, system: System) -> tuple[float, str]:
-    """Size of the unit [SI] in which a key of a case is shown, and its text: that of a bare number of the key.
+    """Size of the unit [SI] in which a key of a case is shown, and its text: the unit of a bare number of the key.
 
     name: path of the key; unit: SI, empty or `-` for a pure number.
     """

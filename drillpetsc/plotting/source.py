@@ -18,9 +18,9 @@ Table = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Source:
-    """A run folder, and the units that the reader wants.
+    """A run folder, and the units to show.
 
-    units: None: those of the results.
+    units: None: the results'.
     """
 
     folder: RunFolder

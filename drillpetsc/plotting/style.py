@@ -128,7 +128,7 @@ def in_units(system: System | None) -> Iterator[None]:
 
 @contextmanager
 def of_case(case: Path, system: System | None = None) -> Iterator[None]:
-    """Draw in this style, in a system of units; None: that of the case of a run."""
+    """Draw in this style, in a system of units; None: that of the run's case."""
     with in_units(system or units_of_run(case)), look():
         yield
 

@@ -256,7 +256,7 @@ def answer(runs: Sequence[Run], case: Case, system: System) -> Answer | None:
 
 
 def _sentence(found: Sequence[Check]) -> str:
-    """What the reader must know first."""
+    """What the reader must see first."""
 
     def names(state: str) -> str:
         return ", ".join(check.name for check in found if check.state == state)

@@ -2,7 +2,7 @@
 
 - csv: a file for each table, with headings such as `Hook load [klbf]`
 - xlsx: one workbook, a sheet for each table
-- parquet: a file for each table, with the same headings; name and unit of each column stand in its metadata
+- parquet: a file for each table, with the same headings; name and unit of each column are in its metadata
 - las: a LAS 2.0 file for each table over time or depth, with mnemonics such as HKLD (Canadian Well Logging Society, LAS 2.0, 1992)
 """
 

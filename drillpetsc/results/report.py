@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from drillpetsc.html_table import html_table
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
@@ -144,11 +145,7 @@ def html_report(title: str, figures: Rows, warnings: list[str], folder: str, pic
     heads, rows = figures
     parts = [f"<p><b>{html.escape(title)}</b></p>"]
     if rows:
-        head = "".join(f"<th>{html.escape(cell)}</th>" for cell in heads)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-        )
-        parts.append(f"<table><tr>{head}</tr>{body}</table>")
+        parts.append(html_table(heads, rows))
     if warnings:
         parts.append("<ul>" + "".join(f"<li>{html.escape(text)}</li>" for text in warnings) + "</ul>")
     if picture is not None:

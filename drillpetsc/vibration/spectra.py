@@ -103,7 +103,7 @@ def order_map(
     """Amplitudes of a series over time and the order of rotation: the series is resampled over the angle.
 
     time: (n,) [s]; values: (n,); speed: (n,) rotation [rad/s]; revolutions: in a segment, whose orders are 1/revolutions apart.
-    Times at which the shaft stands or turns back are left out.  Raises ValueError where the shaft turns less than four revolutions.
+    Times at which the shaft is at rest or turns back are left out.  Raises ValueError if the shaft turns less than four revolutions.
     """
     t, v, spacing = _even(time, values)
     w = np.interp(t, time, speed)

@@ -293,7 +293,7 @@ def test_refused(roadmap, at, want, tmp_path):
 def test_string_that_cannot_be_lengthened(tmp_path):
     collars = {"kind": "body", "length": 50, "od": "170 mm", "mass": 5000}
     c = case([0, 1000], [0, 0], length=100, above=[collars], roadmap={"bit_depth": [900]})
-    with pytest.raises(CaseError, match="topmost item is no pipe"):
+    with pytest.raises(CaseError, match="topmost item is not a pipe"):
         run_roadmap(Job(c, tmp_path / "r"))
 
 

@@ -113,7 +113,7 @@ def test_a_closed_pipe_with_a_tool_that_mud_turns_trips(tool: dict, tmp_path):
 
 def test_hydraulics_says_that_a_motor_has_no_load(tmp_path):
     notes = hydraulics(case(MOTOR), tmp_path / "h").summary["notes"]
-    assert any("motor: the motor's pressure is that without load" in note for note in notes)
+    assert any("motor: the motor's pressure is its no-load pressure" in note for note in notes)
 
 
 def test_check_names_every_tool_and_its_unknowns():

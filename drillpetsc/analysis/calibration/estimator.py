@@ -269,7 +269,7 @@ class Estimator(ABC):
         return min(self.allowed(name), self._widest_alike(name))
 
     def _widest(self, names: tuple[str, ...], width: FloatArray) -> str | None:
-        """The parameter whose interval is widest against the largest one that still tells something; None where all do."""
+        """The parameter whose interval is widest against the largest one that still tells something; None if all do."""
         with np.errstate(divide="ignore"):
             over = width / np.array([self.allowed(name) for name in names])
         return names[int(np.nanargmax(over))] if np.nanmax(over, initial=0.0) > 1 else None

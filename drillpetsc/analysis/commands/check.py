@@ -150,7 +150,7 @@ def _quasi_static(case: Case) -> bool:
 
 
 def _fitted(key: str, rheology: Rheology | None, units: System) -> list[str]:
-    """Describe the fit of a rheology to dial readings; nothing where there are none."""
+    """Describe the fit of a rheology to dial readings; nothing if there are none."""
     if rheology is None or not rheology.dial:
         return []
     consistency, index, stress = flow_constants(rheology)
@@ -178,7 +178,7 @@ def _cutting(formation: Formation | None, units: System) -> str:
 
 
 def _chosen_lengths(case: Case, model: DrillingModel) -> list[str]:
-    """Lengths of automatic elements and what decided each, from the top down; empty where all are given."""
+    """Lengths of automatic elements and what decided each, from the top down; empty if all are given."""
     lengths = element_lengths(case, model.well)
     count = sum(r.count for r in lengths.ranges)
     if not count:

@@ -114,7 +114,7 @@ def step_counts(model: DrillingModel) -> StepCounts:
 
 
 def rank_lines(model: DrillingModel) -> list[str]:
-    """What to expect of several ranks; empty where no motion in time is computed."""
+    """What to expect of several ranks; empty if no motion in time is computed."""
     if model.case.time is None or is_quasi_static(model.case) or model.system.comm.size > 1:
         return []
     return lines_of(step_counts(model))

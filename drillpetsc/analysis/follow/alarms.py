@@ -1,4 +1,4 @@
-"""Alarms: sums of standardised errors of the forecast that was made one stand before, and of the level of the pump pressure.
+"""Alarms: sums of standardised errors of the forecast that was made one stand earlier, and of the level of the pump pressure.
 
 Manual: sec-follow-alarms, sec-follow-pressure.
 """
@@ -32,7 +32,7 @@ PUMPED = ((PRESSURE, "pump_pressure", 1), (PRESSURE_LOST, "pump_pressure", -1))
 
 @dataclass(frozen=True)
 class Error:
-    """A reading beside the forecast made one stand before: both [SI], and the standard deviation of the difference."""
+    """A reading beside the forecast made one stand earlier: both [SI], and the standard deviation of the difference."""
 
     reading: float
     forecast: float

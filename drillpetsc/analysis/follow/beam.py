@@ -54,7 +54,7 @@ class Beam:
     """One static equilibrium of the beam a stand and operation; between them the strings read its tangent.
 
     model: soft, no beam is solved; remarks: where there was no state, each once; seconds: of each solution.
-    Raises CaseError for a case whose beam cannot answer.
+    Raises CaseError for a case that the beam does not cover.
     """
 
     def __init__(self, strings: Strings, model: Model) -> None:
@@ -102,7 +102,7 @@ class Beam:
         for k, name in enumerate(names, 1):
             tangent[name] = ((own[:, k] - own[:, 0]) / 1e-3).tolist()
         if not np.isfinite(own).all():
-            raise SolveError("the soft string cannot bear its weight on bit")
+            raise SolveError("the soft string cannot carry its weight on bit")
         return Tangent(at, own[:, 0].tolist(), tangent), _origins(stiff, at)
 
     def _point(self, load: Load, of: Mapping[str, float]) -> MeasuredPoint:

@@ -1,4 +1,4 @@
-"""The estimate of a rig row by row: forecast of one stand before, alarms, correction, forecast of one stand ahead."""
+"""The estimate of a rig row by row: forecast made one stand earlier, alarms, correction, forecast of one stand ahead."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Ahead:
 class Update:
     """What a row gave.
 
-    number; reading; forecast: reading -> its error by the forecast of one stand before; last: reading -> value one stand before.
+    number; reading; forecast: reading -> its error by the forecast made one stand earlier; last: reading -> value one stand earlier.
     belief: after the row; taught: whether the row corrected it; ahead: None where the hole ends or nothing turns or moves.
     compared: beam and soft string before the row, None in rows without one.
     """
@@ -99,7 +99,7 @@ class Follower:
     """The estimate for a case; ``see`` takes one row after another.
 
     block: weight [N]; priors: as for ``with_priors``; model: of the string, soft or stiff.
-    Raises CaseError for a case whose model cannot answer.
+    Raises CaseError for a case that the model does not cover.
     """
 
     def __init__(
@@ -143,7 +143,7 @@ class Follower:
 
     # ------------------------------------------------------------------ forecast
     def _one_stand_before(self, load: Load) -> _Past | None:
-        """The latest row at least a stand before; of trips, whose stands differ in length, at least two thirds of one."""
+        """The latest row at least a stand earlier; of trips, whose stands differ in length, at least two thirds of one."""
         if load.operation == SLIPS:
             return None
         least = (2 / 3 if load.operation in TRIPS else 1.0) * STAND - 1e-6
@@ -162,7 +162,7 @@ class Follower:
             name: Error(float(values[k]), float(seen.mean[k]), float(sd[k]))
             for k, name in enumerate(("hook_load", "torque"))
             if self._readable(row)[k]
-            and np.isfinite(seen.mean[k])  # nan: a string that cannot bear its weight on bit
+            and np.isfinite(seen.mean[k])  # nan: a string that cannot carry its weight on bit
         }
         level, depth = past.values.get("pressure_level"), row.load.bit_depth
         pressure = self.pressure.error(row.pump_pressure, row.load.flow, level, distance, depth)
@@ -208,7 +208,7 @@ class Follower:
         seen = self.expected(self.belief, row.load)
         part = Expected(seen.mean[which], seen.covariance[np.ix_(which, which)], seen.cross[:, which])
         values = np.array([row.hook_load, row.torque])[which]
-        if not np.isfinite(part.mean).all():  # a string that cannot bear its weight on bit teaches nothing
+        if not np.isfinite(part.mean).all():  # a string that cannot carry its weight on bit teaches nothing
             return
         self.belief = corrected(self.belief, part, values, np.diag(row.noise[which] ** 2), GATE[len(which)])
 

@@ -1,4 +1,4 @@
-"""live.html: a page in one file, without a server, that shows where a rig that is followed stands."""
+"""live.html: a page in one file, without a server, that shows the present state of a rig that is followed."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ SLIPS_NOISE = 6e3  # standard error of the weight in slips: the scatter from one
 DEEPER = 1.1  # of the hole's end: a log that begins further down has other units, or is of another well
 KEPT_ALARMS = 200
 STUCK = "stuck"
-ZERO = "was zero, as of a dead sensor, and was left out"
+ZERO = "was zero, as if the sensor were dead, and was left out"
 BEYOND = "a reading was beyond what a rig can have, and the row was left out: another unit?"
 NO_STRING = "the case has no string at that bit depth, and the row was left out"
 BELOW = (
@@ -438,7 +438,7 @@ class _Session:
 
 @dataclass
 class _Score:
-    """How good the forecasts of one stand before were; sums over n rows."""
+    """How good the forecasts made one stand earlier were; sums over n rows."""
 
     n: int = 0
     square: float = 0.0

@@ -212,7 +212,7 @@ remark(
 )  # fmt: skip
 remark(
     PumpedString,
-    "{name}: the motor's pressure is that without load; torque on bit raises it and the pump pressure{more} (statics and runs count it)",
+    "{name}: the motor's pressure is its no-load pressure; torque on bit raises it and the pump pressure{more} (statics and runs count it)",
     _motor,
 )
 remark(PumpedString, "no friction along the rigid items below the last pipe: {names}", _rigid_below)

@@ -31,7 +31,7 @@ PASSAGES = 6.0  # of a pressure wave along the annulus after the acceleration
 
 @dataclass(frozen=True)
 class DynamicSurge:
-    """Largest pressure under the bit beyond that of the string at rest at the same depth.
+    """Largest pressure under the bit beyond the pressure with the string at rest at the same depth.
 
     pressure: [Pa], swab negative; time: of it, from the start [s]; last: pressure at the end of the run [Pa].
     """
@@ -58,7 +58,7 @@ def dynamic_surge(
     """Run string and mud from rest (one process).
 
     velocity: of the top, positive down [m/s]; flow: of the pump, for a pumping string [m3/s].
-    Raises SolveError where there is no static state or no step can be taken.
+    Raises SolveError if there is no static state or no step can be taken.
     """
     if abs(string.top) > 1e-6:  # the top of a run is at measured depth 0
         string = string_at(case, string.depth)

@@ -106,7 +106,7 @@ def whole_string(case: Case) -> PlacedString:
 def string_at(case: Case, depth: float) -> PlacedString:
     """The lowest ``depth`` metres of the string, with its top at the rig; a topmost pipe is cut, or lengthened.
 
-    Raises CaseError where the string cannot be made so long, or the hole is not so deep.
+    Raises CaseError if the string cannot be made so long, or the hole is not so deep.
     """
     units = case.shown_units
 
@@ -130,7 +130,7 @@ def string_at(case: Case, depth: float) -> PlacedString:
         left -= item.length
     if left >= SHORTEST_PIECE:
         length = said(case.string_length, "length", units)
-        raise wrong(f"at most {length}, the length of the string: its topmost item is no pipe")
+        raise wrong(f"at most {length}, the length of the string: its topmost item is not a pipe")
     if not any(isinstance(item, Flexible) for item in items):
         raise wrong("a depth at which a pipe is in the hole")
     return PlacedString(tuple(items), tuple(number), 0.0)
@@ -275,7 +275,7 @@ class FlowModel:
 
         flow: rate of the pump [m3/s], for a pumping string.
         speed: of the string along the hole, positive down [m/s].
-        Raises SolveError where there is no steady flow.
+        Raises SolveError if there is no steady flow.
         """
         try:
             self._solve_from_here(flow, speed)
@@ -335,16 +335,16 @@ class FlowModel:
         return self.case.given_fluid.flow_line
 
     def channel(self, name: str) -> ChannelFlow | None:
-        """The flow in ``bore`` or ``annulus``; None where there is none."""
+        """The flow in ``bore`` or ``annulus``; None if there is none."""
         return self.fluid.bore if name == "bore" else self.fluid.annulus
 
     def pressure(self, channel: str) -> FloatArray | None:
-        """(n+1,) gauge pressures at the nodes [Pa] of ``bore`` or ``annulus``; None where there is none."""
+        """(n+1,) gauge pressures at the nodes [Pa] of ``bore`` or ``annulus``; None if there is none."""
         component = self.channel(channel)
         return None if component is None else np.array(component.pressures(self.system))
 
     def flow_rate(self, channel: str) -> FloatArray | None:
-        """(n,) flow rates at zero pressure [m3/s] in the elements, towards the bit; None where there is none."""
+        """(n,) flow rates at zero pressure [m3/s] in the elements, towards the bit; None if there is none."""
         component = self.channel(channel)
         return None if component is None else np.array(component.flows(self.system))
 

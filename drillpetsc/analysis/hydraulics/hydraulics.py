@@ -73,7 +73,7 @@ Numbers = dict[str, float | None]
 class FlowResult:
     """Steady flow at one flow rate.
 
-    flow_rate: [m3/s]; summary: of summary.json, None where absent; rows: of hydraulics.csv.
+    flow_rate: [m3/s]; summary: of summary.json, None if absent; rows: of hydraulics.csv.
     profile: columns of pressure_profile.csv, nan where absent.
     limited_by: limit of the window that is passed, `none`, or `-` without a window.
     nozzles: rows of nozzles.csv, where there are any above the bit.
@@ -91,7 +91,7 @@ class FlowResult:
 def default_flow(case: Case, notes: list[str]) -> float:
     """The flow rate of the case [m3/s]; its largest value where it varies, with a note.
 
-    Raises CaseError where there is none.
+    Raises CaseError if there is none.
     """
     fluid = need_mud(case, "hydraulics")
     flow = fluid.flow_rate
@@ -123,7 +123,7 @@ def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
     """Find the flow rate [m3/s] at which the pump, or the string's upper end, has a pressure [Pa].
 
     at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
-    Raises CaseError where the pressure is below that of the still mud, or beyond the largest flow.
+    Raises CaseError if the pressure is below that of the still mud, or beyond the largest flow.
     """
     from scipy.optimize import brentq  # a slow import
 
@@ -149,7 +149,7 @@ class Hydraulics:
     """The flow model of a case and what all of its flow rates share.
 
     case: with mud and an open lower end.
-    Raises CaseError where there is no such flow.
+    Raises CaseError if there is no such flow.
     """
 
     def __init__(self, case: Case) -> None:
@@ -195,7 +195,7 @@ class Hydraulics:
         return FlowResult(rate, summary, rows, self._profile(), limited, warnings, groups)
 
     def densities(self) -> Numbers:
-        """Equivalent densities [kg/m3] at the bit, the last shoe and the end of the hole; None where absent."""
+        """Equivalent densities [kg/m3] at the bit, the last shoe and the end of the hole; None if absent."""
         return densities(self.flow, self.shoe, self.end)
 
     def _profile(self) -> dict[str, FloatArray]:
@@ -241,7 +241,7 @@ def flow_figures(
     end: float | None,
     window: OpenHole | None = None,
 ) -> Numbers:
-    """Figures of summary.json [SI] of a steady flow that is solved, None where absent.
+    """Figures of summary.json [SI] of a steady flow that is solved, None if absent.
 
     rate: of the pump [m3/s]; rows: its losses; shoe, end: measured depths of the last shoe and of the end of the hole [m].
     window: of the open hole.
@@ -320,7 +320,7 @@ def run_hydraulics(
 ) -> RunResult:
     """Solve for the steady flow at some flow rates (collective).
 
-    flows: flow rates [m3/s]; None: that of the case.
+    flows: flow rates [m3/s]; None: the case's.
     pump_pressure: [Pa], instead of flows: the flow rate that it gives is found.
     Every rank computes the same, the first one writes.
     """

@@ -90,7 +90,7 @@ def annulus_pressure_at(flow: FlowModel, md: FloatArray, tvd: FloatArray) -> Flo
 def open_hole(case: Case, window: Window | None) -> OpenHole | None:
     """Create the points of the open hole; None without a window.
 
-    Raises CaseError where the table of the window does not cover the open hole.
+    Raises CaseError if the table of the window does not cover the open hole.
     """
     if window is None or case.well is None:
         return None

@@ -49,7 +49,7 @@ class Readings:
 
 
 def readings(rheology: Rheology) -> Readings | None:
-    """The readings of a rheology; None where the case has none."""
+    """The readings of a rheology; None if the case has none."""
     if not rheology.dial:
         return None
     speed = [float(q) for q in rheology.dial]

@@ -57,7 +57,7 @@ DEPTHS = 6  # bit depths of the table of largest speeds
 
 @dataclass(frozen=True)
 class SurgeRow:
-    """One row of surge.csv, SI; None where absent.
+    """One row of surge.csv, SI; None if absent.
 
     trip_speed, surge_pressure: signs as in the table; warnings: what makes the row invalid.
     side_flow: through nozzles above the bit; nan without any, and where they are closed with the pipe.
@@ -180,7 +180,7 @@ class Trips:
 
     speeds: [m/s]; operations: trip_in, trip_out; pipes: closed, open, pumping.
     bit_depths: measured [m], None: the case's own and, with a window, some along the open hole.
-    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: that of the case.
+    window: instead of the case's; flow: rate of the pump while pumping [m3/s], None: the case's.
     dynamic: a run from rest for each speed, too.
     """
 
@@ -345,7 +345,7 @@ def _fastest(
 
 
 def _distinct(warnings: list[str]) -> list[str]:
-    """One of the warnings that differ by numbers alone: that with the largest first number."""
+    """Of warnings that differ by numbers alone, the one with the largest first number."""
 
     def size(text: str) -> float:
         found = re.search(r"\d+(\.\d+)?", text)

@@ -124,7 +124,7 @@ class Reduction(Moment):
 
 # ---------------------------------------------------------------------- modes
 class ReferenceFrequency(Doubt):
-    """The force of the mud on some modes is that at a reference frequency, because their own was not found."""
+    """The force of the mud on some modes is taken at a reference frequency, because their own was not found."""
 
     about = (Modal,)
     sentence = "{kept} modes use the mud's force at the reference frequency, because their own frequency was not found"
@@ -451,7 +451,7 @@ remark(
 )
 remark(
     Responded,
-    "the lower end does not stand on bottom: the excitation acts on a hanging string",
+    "the lower end is off bottom: the excitation acts on a hanging string",
     lambda at: at.excitation.kind == "bit" and not _bit(at.model),
 )
 
@@ -470,7 +470,7 @@ class NotBalanced(Doubt):
 
 
 class FreeMotions(Doubt):
-    """Parts of the model move without resistance, so that constant inputs have no steady answer."""
+    """Parts of the model move without resistance, so that constant inputs have no steady response."""
 
     about = (Reduction,)
     sentence = "unrestrained rigid-body motions: {kinds}"

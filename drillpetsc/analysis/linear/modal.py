@@ -338,7 +338,7 @@ def run_modes(
     count, kind: as in ``modes``; shift: frequency [Hz]; about: as in ``prepare_state``.
     without_control: leave out motor, hoist and controllers, and hold the top at the prescribed rotation.
 
-    Raises CaseError for wrong arguments, SolveError where no state or mode is found.
+    Raises CaseError for wrong arguments, SolveError if no state or mode is found.
     """
     case, comm = job.case, job.comm
     refuse_quaternion(case, "modes")

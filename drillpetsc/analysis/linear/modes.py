@@ -60,7 +60,7 @@ class Modes:
 
     @property
     def kind(self) -> tuple[str, ...]:
-        """(m,) that with the largest share."""
+        """(m,) the kind with the largest share."""
         return tuple(KINDS[i] for i in self.share.argmax(axis=1))
 
     @property

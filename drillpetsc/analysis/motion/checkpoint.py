@@ -351,8 +351,8 @@ def check_restart(
         raise early
 
     def refuse_missing_output() -> None:
-        written = saved.notes.get("tables", {})
-        refusal = missing_output(folder, recorder, saved.time, saved.notes["last_row"], written)
+        notes = saved.notes
+        refusal = missing_output(folder, recorder, saved.time, notes["last_row"], notes["tables"])
         if refusal is not None:
             raise refusal
 

@@ -65,7 +65,7 @@ def calibrated(case: Case, folder: Path) -> tuple[Case, list[str]]:
     unused, title = [name for name in names if name not in usable], summary.get("title")
     notes = {
         f"not taken from the calibration, which gives no interval of it: {', '.join(unused)}": unused,
-        f"the calibration is that of another case, {title or 'without a title'}: its friction need not be that of this well": title
+        f"the calibration is of another case, {title or 'without a title'}: its friction may differ from this well's": title
         != case.title,
     }
     return found, [note for note, holds in notes.items() if holds]

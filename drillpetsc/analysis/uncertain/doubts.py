@@ -34,11 +34,11 @@ class Drawn(CaseMoment):
 
 
 class SamplesFailed(Doubt):
-    """Some samples have no solution: a number outside its limits, no steady flow, or a string that cannot bear its weight on bit."""
+    """Some samples have no solution: a number outside its limits, no steady flow, or a string that cannot carry its weight on bit."""
 
     about = (Drawn,)
     sentence = (
-        "{output}: {failed} of {samples} samples have no solution, and the quantiles are those of the others"
+        "{output}: {failed} of {samples} samples have no solution, and the quantiles are from the others"
     )
     remedy = "Narrow the distributions of `uncertain`, or read the share of failed samples as the probability of failing."
 

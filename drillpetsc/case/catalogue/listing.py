@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import re
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
@@ -21,6 +20,7 @@ from drillpetsc.case.catalogue.reference import (
 from drillpetsc.case.catalogue.sizes import FT_LBF, KSI, LB_PER_FT, LBF, inch_text, size_at_start
 from drillpetsc.case.catalogue.tables import TABLES, Catalogue, Row, units_of
 from drillpetsc.errors import CaseError
+from drillpetsc.html_table import html_table
 
 TITLES = {
     "drill_pipe": "Drill pipe, tubes",
@@ -99,13 +99,7 @@ class CatalogueRows(Sequence[Row]):
 
     def _repr_html_(self) -> str:
         """Tables for a notebook."""
-        parts = []
-        for title, columns, cells in self.tables():
-            head = "".join(f"<th>{html.escape(c)}</th>" for c in columns)
-            body = "".join(
-                "<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in line) + "</tr>" for line in cells
-            )
-            parts.append(f"<table><caption>{html.escape(title)}</caption><tr>{head}</tr>{body}</table>")
+        parts = [html_table(columns, cells, title) for title, columns, cells in self.tables()]
         return "".join(parts) or "<p>no row of the catalogue</p>"
 
 

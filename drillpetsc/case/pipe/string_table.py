@@ -9,6 +9,7 @@ from typing import Any
 from drillpetsc.case.blocks.items.string import Beam, Rigid, Tube
 from drillpetsc.case.blocks.items.tubulars import Tubular
 from drillpetsc.case.pipe.section import ring, tubular_section
+from drillpetsc.html_table import html_table
 from drillpetsc.unit_systems import System, display
 
 WIDTH, HEIGHT, SMALLEST = 60, 240.0, 14.0  # of the schematic, and of an item in it [pixels]
@@ -80,10 +81,6 @@ def case_html(case: Any) -> str:
     """The case for a notebook: title, string table, schematic, hole, ends."""
     heads, rows = string_rows(case)
     system: System = case.shown_units
-    head = "".join(f"<th>{html.escape(name)}</th>" for name in heads)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
-    )
     parts = [f"top: {case.top.kind}", f"bottom: {case.bottom.kind}"]
     if case.well is not None:
         depth, unit = display(float(case.well.survey.md[-1]), "length", system)
@@ -93,5 +90,5 @@ def case_html(case: Any) -> str:
         parts.append(f"mud {density:.4g} {unit}")
     return (
         f"<p><b>{html.escape(case.title or 'case')}</b></p>"
-        f"<table><tr>{head}</tr>{body}</table>{schematic(case)}<p>{html.escape('; '.join(parts))}</p>"
+        f"{html_table(heads, rows)}{schematic(case)}<p>{html.escape('; '.join(parts))}</p>"
     )

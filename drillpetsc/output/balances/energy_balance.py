@@ -188,10 +188,9 @@ class EnergyBalance:
     def set_state(self, saved: dict[str, FloatArray]) -> None:
         """Continue from a checkpoint."""
         sums = list(map(float, saved["sums"]))
+        self._powers, self.followed = (sums[7], sums[8]), sums[9]
         for name, value in zip(_SUMS, sums, strict=False):
             setattr(self, name, value)
-        self._powers = (sums[7], sums[8])
-        self.followed = sums[9] if len(sums) > 9 else 0.0  # checkpoints of version 0.x before it have none
         kinetic, strain, potential = saved["first_energies"].tolist()
         self._first_energies = kinetic, strain, potential
         self._set_energies(saved["energies"].tolist())

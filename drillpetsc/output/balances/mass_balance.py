@@ -68,9 +68,9 @@ class MassBalance:
         sums, step = self._before if self._before is not None else ([0.0, 0.0, 0.0], 0.0)
         return {"mud": np.array([*self._sums, self.start_content, *sums, step, self.content])}
 
-    def set_state(self, saved: dict[str, FloatArray], content: float) -> None:
-        """Continue from a checkpoint; content: at the last sample [m3], for checkpoints without it."""
+    def set_state(self, saved: dict[str, FloatArray]) -> None:
+        """Continue from a checkpoint."""
         volumes = saved["mud"].tolist()
         self._sums, self.start_content = volumes[:3], volumes[3]
         self._before = (volumes[4:7], volumes[7]) if volumes[7] > 0.0 else None
-        self.content = volumes[8] if len(volumes) > 8 else content
+        self.content = volumes[8]

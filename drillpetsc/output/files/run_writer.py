@@ -265,7 +265,7 @@ def missing_output(
         if not passed(last_row, last):
             got = f"rows up to {last:.9g} s, not up to {last_row:.9g} s" if np.isfinite(last) else "no rows"
             return _gone(path, got)
-        changed = _changed(path, lines, len(columns), restart_time, written.get(path.name))
+        changed = _changed(path, lines, len(columns), restart_time, written.get(path.name, (0, "")))
         if changed is not None:
             return changed
     for path, columns, rate in recorder.sensors.files(folder.path) if recorder.sensors is not None else ():
@@ -277,7 +277,7 @@ def missing_output(
             return _gone(path, found if path.is_file() else "no such file")
         if path.suffix == ".csv":
             lines = _lines(path)[1:]
-            changed = _changed(path, lines, len(columns), restart_time, written.get(path.name))
+            changed = _changed(path, lines, len(columns), restart_time, written.get(path.name, (0, "")))
             if changed is not None:
                 return changed
     if not folder.string_series.is_file():
@@ -285,25 +285,23 @@ def missing_output(
     for time, frame in read_series(folder.path):
         if passed(time, restart_time) and not frame.is_file():
             return _gone(frame, "no such file")
-    frames, digest = written.get(folder.string_series.name, (0, ""))
+    frames, digest = written[folder.string_series.name]
     there = frames_written(folder.path, restart_time)
-    if digest and there != (frames, digest):
+    if there != (frames, digest):
         more = f"{there[0]} frames up to {restart_time:.6g} s, {frames} were written"
         return _gone(folder.string_series, more if there[0] != frames else "frames or times that are changed")
     return None
 
 
 def _lines(path: Path) -> list[str]:
-    """Lines of a table with their ends; bytes that are no text, in a damaged one, are replaced."""
+    """Lines of a table with their ends; bytes that are not text, in a damaged one, are replaced."""
     return path.read_text(encoding="utf-8", errors="replace").splitlines(keepends=True)
 
 
 def _changed(
-    path: Path, lines: Sequence[str], width: int, restart_time: float, written: Sequence[Any] | None
+    path: Path, lines: Sequence[str], width: int, restart_time: float, written: Sequence[Any]
 ) -> CaseError | None:
-    """The error for rows that are not those which the run has written; None if they are, or an older checkpoint does not say."""
-    if written is None:
-        return None
+    """The error for rows that are not those which the run has written; None if they are."""
     rows, digest = rows_written(lines, width, restart_time)
     if rows < min(written[0], len(lines)):
         return _gone(path, f"a damaged line {rows + 2}, after {rows} of {written[0]} rows")

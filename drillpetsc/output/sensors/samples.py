@@ -9,6 +9,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.sensors import Sensor
 from drillpetsc.fem.quantity import Quantity
+from drillpetsc.geometry.frames import turned_directors
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.sensors.section import PARTS, unit_motion
 from drillpetsc.vibration.filters import LowPass, butterworth
@@ -144,7 +145,8 @@ class Sampler:
         spin = _hermite(s, h, first[:, 13:14], first[:, 14:15], last[:, 13:14], last[:, 14:15])
         spinning = record[:, 14:15]
         reference = last[:, PARTS["reference"]]
-        y, z = _directors(reference, tangent, angle + self.sensor.angle)
+        axes = reference[:, :3], reference[:, 3:]
+        y, z = turned_directors(*axes, tangent, angle + self.sensor.angle)
         omega = np.cross(tangent, td) + spin * tangent
         out: dict[str, FloatArray] = {}
         if self.sensor.accelerations:
@@ -164,7 +166,7 @@ class Sampler:
         out["downhole_torque"], out["downhole_wob"] = -record[:, 24], -record[:, 25]
         out["internal_pressure"], out["annulus_pressure"] = record[:, 26], record[:, 27]
         if "bending" in self.sensor.channels:
-            d2, d3 = _directors(reference, tangent, angle)
+            d2, d3 = turned_directors(*axes, tangent, angle)
             free = self.curvature[1] * d2 - self.curvature[0] * d3
             bend = self.stiffness * (record[:, PARTS["bend"]] - free)
             out["bending_y"], out["bending_z"] = np.sum(bend * y, axis=1), np.sum(bend * z, axis=1)
@@ -215,18 +217,3 @@ def _hermite(
     """Cubic through values p with derivatives m at both ends of a step h, at the part s of it."""
     d = p1 - p0
     return p0 + s * (h * m0 + s * (3 * d - h * (2 * m0 + m1) + s * (h * (m0 + m1) - 2 * d)))
-
-
-def _directors(
-    reference: FloatArray, tangent: FloatArray, angle: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Directors 2 and 3 (k, 3) at a spin angle (k, 1) [rad] (manual: eq-beam-directors)."""
-    a, b2 = reference[:, :3], reference[:, 3:]
-    b3 = np.cross(a, b2)
-    c, s = np.cos(angle), np.sin(angle)
-    factor = (a + tangent) / (1.0 + np.sum(a * tangent, axis=1, keepdims=True))
-    e2, e3 = c * b2 + s * b3, c * b3 - s * b2
-    return (
-        e2 - factor * np.sum(tangent * e2, axis=1, keepdims=True),
-        e3 - factor * np.sum(tangent * e3, axis=1, keepdims=True),
-    )

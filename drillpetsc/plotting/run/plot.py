@@ -329,8 +329,8 @@ def _orbits(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         axes.plot(y[-1], x[-1], "o", color="#b03060", markersize=4.5, zorder=4)
         axes.set_aspect("equal")
         axes.set(
-            xlabel=f"to the right (east where vertical), y [{unit}]",
-            ylabel=f"to the high side (north where vertical), x [{unit}]",
+            xlabel=f"to the right (east in a vertical hole), y [{unit}]",
+            ylabel=f"to the high side (north in a vertical hole), x [{unit}]",
             title=f"{round(float(name) / length, 2):g} {depth_text}"
             + (f", clearance {circle:.{digits}f} {unit}" if circle is not None else ""),
         )

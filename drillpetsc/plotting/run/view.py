@@ -100,7 +100,7 @@ SHADED_WIDTH = 2.6
 
 @dataclass(frozen=True)
 class Look:
-    """How the string is looked at; the fields are those of ``view``."""
+    """How the string is viewed; the fields are those of ``view``."""
 
     lateral_scale: float | None
     interval: Interval | None

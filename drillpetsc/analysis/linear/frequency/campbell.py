@@ -117,7 +117,7 @@ def modes_at(
 
     count: oscillating modes; kind: only those of one kind.
     lines: frequencies beside which modes are sought, too, and half widths [rad/s], from the state at this speed.
-    Raises SolveError where no state or no eigenvalue is found.
+    Raises SolveError if there is no state or no eigenvalue.
     """
     states.at(speed)
     model, beside = states.model, lines()
@@ -275,7 +275,7 @@ def _begins_beside(speeds: list[SpeedModes], branch: Branch) -> bool:
 def orbit_rate(model: DrillingModel) -> float:
     """Angular frequency of the orbit of a motor's rotor in space at the present state [rad/s], negative backwards; collective.
 
-    nan in a string at rest, whose rotor stands as well.
+    nan in a string at rest, whose rotor is also at rest.
     """
     motor = model.part(MudMotor)
     assert motor is not None

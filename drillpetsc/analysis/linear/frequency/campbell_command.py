@@ -125,7 +125,7 @@ def run_campbell(
     frequency: wd, lines meet damped frequencies; wn, natural ones.
     stiffness: of the wall [Pa], for critical_map.csv.
 
-    Raises CaseError for wrong arguments, SolveError where no state or mode is found.
+    Raises CaseError for wrong arguments, SolveError if no state or mode is found.
     """
     case, comm = job.case, job.comm
     turning = turning_case(case, "campbell", without_control)
@@ -184,7 +184,7 @@ def default_lines(case: Case) -> tuple[float | str, ...]:
 
 
 def margin(critical: Critical, case_speed: float) -> float:
-    """Distance of a critical speed from that of the case [% of the latter]; nan for a case that does not turn."""
+    """Distance of a critical speed from the case's rotary speed [% of the latter]; nan for a case that does not turn."""
     return 100.0 * (critical.speed / RPM - case_speed) / case_speed if case_speed else float("nan")
 
 

@@ -89,7 +89,7 @@ def _whole(model: DrillingModel, owned: np.ndarray) -> np.ndarray | None:
 def orbit_load(model: DrillingModel) -> tuple[np.ndarray | None, float]:
     """Amplitudes (n,) of the rows of the orbit of a motor's rotor, and its angular frequency [rad/s] (manual: eq-response-orbit).
 
-    The rotor is turned below its joint so that the orbit stands at four angles.  The amplitudes are on rank 0, None
+    The rotor is turned below its joint so that the orbit is at four angles.  The amplitudes are on rank 0, None
     elsewhere; collective.
     """
     motor, system = model.part(MudMotor), model.system

@@ -298,7 +298,7 @@ def run_response(
     without_control: leave out motor and controller, and hold the top at the rotation.
     stress: add the stresses of the turning pipe to the table.
 
-    Raises CaseError for wrong arguments, SolveError where no state is found.
+    Raises CaseError for wrong arguments, SolveError if no state is found.
     """
     case, comm = job.case, job.comm
     turning = turning_case(case, "response", without_control)
@@ -378,7 +378,7 @@ def _load(
         load, omega = orbit_load(model)
         if omega < LEAST_ORBIT:
             raise SolveError(
-                f"at {rpm_of(speed):g} rpm the orbit of the motor's rotor stands still: it excites nothing"
+                f"at {rpm_of(speed):g} rpm the motor's rotor does not orbit, so it excites nothing"
             )
         return load, omega
     if excitation.kind == "bit" and excitation.what == "displacement" and model.bit is not None:
@@ -450,7 +450,7 @@ def _respond(
 
 
 def _weight_on_bit(model: DrillingModel) -> float | None:
-    """Weight on bit [N] in the state; None where no bit stands on bottom; collective."""
+    """Weight on bit [N] in the state; None without a bit on bottom; collective."""
     if model.bit is None:
         return None
     return max(float(total(model.system.comm, model.bit.weight_and_torque(model.system.assembly)[0])), 0.0)

@@ -59,7 +59,7 @@ class Point:
 
     @property
     def unstable(self) -> bool:
-        """Whether a mode grows beyond the marginal band; False where nothing was found."""
+        """Whether a mode grows beyond the marginal band; False without a mode."""
         return self.growth > 0 and not self.marginal
 
 

@@ -29,7 +29,7 @@ class RunPoint:
     """A run at one speed [rad/s] and weight on bit [N].
 
     index, before: stick-slip index in the last third of the run and in the third before [-]; stuck: share of the last
-    third in which the bit stands [-]; behaviour: one of ``BEHAVIOURS``.
+    third in which the bit is stuck [-]; behaviour: one of ``BEHAVIOURS``.
     """
 
     speed: float
@@ -60,7 +60,7 @@ def refuse(case: Case) -> None:
 def point_case(case: Case, speed: float, weight: float, lowering: float | None, duration: float) -> Case:
     """The case of a run that begins with ``START`` of the speed [rad/s] in the static state with a weight on bit [N].
 
-    lowering: of the top [m/s], None: that of the case.
+    lowering: of the top [m/s], None: the case's.
     """
     rise = PiecewiseLinear((0.0, RISE), (START * speed, speed))
     top: dict[str, object] = {"rotation": rise}

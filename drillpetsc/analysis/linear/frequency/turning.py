@@ -81,11 +81,11 @@ class TurningModel:
     def at(self, speed: float, lowering: float | None = None) -> StaticState:
         """Set the model to the steady motion at ``speed`` [rad/s]; returns its static equilibrium.  Collective.
 
-        lowering: of the top [m/s], None: that of the case.
+        lowering: of the top [m/s], None: the case's.
 
         At speed 0, and without lowering, it is the equilibrium without friction, at rest, as ``modes --about rest``.
         Equilibria that do not depend on the size of the speed are found once.
-        Raises SolveError where none is found.
+        Raises SolveError if none is found.
         """
         self._live.set(0.0, float(speed))
         if lowering is not None and self._down is not None:

@@ -115,7 +115,7 @@ class MakesUp(_Passed):
 
 
 class SharpDogleg(_Passed):
-    """The hole bends more than drill pipe bears without fatigue while it turns under tension (API RP 7G)."""
+    """The hole bends more than drill pipe withstands without fatigue while it turns under tension (API RP 7G)."""
 
     column = "fatigue_ratio"
     sentence = "dogleg {value:.3g} times the permissible one of API RP 7G at MD {md:length 5} ({item})"
@@ -157,7 +157,7 @@ class BeyondFatigueCurve(Doubt):
     """The bending stress exceeds the largest of the fatigue curve, which gives no life there."""
 
     about = (Judged,)
-    sentence = "bending stress above the largest of {source}: no life is given there"
+    sentence = "bending stress beyond the largest stress of {source}: the curve gives no life there"
     remedy = "Reduce the bending, or give an S-N curve that goes higher."
 
     def look(self, at: Judged) -> Values:
@@ -268,7 +268,7 @@ remark(Judged, "no mud: no pressures and no buoyancy", lambda at: at.model.fluid
 remark(Judged, "pressures are computed for still mud", lambda at: _pumped(at) == 0.0)
 remark(
     Judged,
-    "pressures are computed for {flow:flow}, also in the margin of overpull; beside it stands the margin in still mud",
+    "pressures are computed for {flow:flow}, also in the margin of overpull; the margin in still mud is given beside it",
     lambda at: _pumped(at) and {"flow": _pumped(at)},
 )
 remark(Judged, "clearance of the buckling limits: from {which}", _clearance)

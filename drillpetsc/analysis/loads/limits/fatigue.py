@@ -1,4 +1,4 @@
-"""Fatigue of a turning string: doglegs that drill pipe bears, forces on its tool joints there, and damage by an S-N curve, in SI.
+"""Fatigue of a turning string: doglegs that drill pipe withstands, forces on its tool joints there, and damage by an S-N curve, in SI.
 
 API RP 7G; Lubinski, Maximum permissible dog-legs in rotary boreholes, JPT 13(2), 1961. Curvatures are in 1/m: a
 dogleg of 1 deg/100 ft is 5.726e-4 1/m. Arguments may be numbers or arrays.
@@ -31,7 +31,7 @@ _RANGE = {"E": 67000.0, "S": 133400.0}  # largest axial stress of each rule [psi
 
 
 def rule_of(grade: str | None) -> str | None:
-    """Rule for a grade: E, S, or None where there is none."""
+    """Rule for a grade: E, S, or None if there is none."""
     if grade is None:
         return None
     name = grade.upper().replace(" ", "")
@@ -39,7 +39,7 @@ def rule_of(grade: str | None) -> str | None:
 
 
 def fatigue_bending_stress(axial_stress: ArrayLike, rule: str) -> FloatArray:
-    """Bending stress that drill pipe under tension bears without fatigue [Pa] (API RP 7G).
+    """Bending stress that drill pipe under tension withstands without fatigue [Pa] (API RP 7G).
 
     E: 19,500 - (10/67) s_t - (0.6/670^2) (s_t - 33,500)^2 psi up to s_t = 67,000 psi.
     S: 20,000 (1 - s_t/145,000) psi up to 133,400 psi.

@@ -32,10 +32,10 @@ FELT = 1e-3  # share of the pull; if friction takes more, the length without fri
 class FreePoint:
     """Free length of a stuck string.
 
-    stretch [m], pull [N]: measured. length: of free pipe below the top [m]; None where all of it is free and more.
+    stretch [m], pull [N]: measured. length: of free pipe below the top [m]; None if all of it is free and more.
     item: in which it ends.
     arrives: share of the pull that friction leaves there [-].
-    frictionless: the length without friction in the hole [m]; None where all of it would be free.
+    frictionless: the length without friction in the hole [m]; None if all of it would be free.
     whole: stretch of the whole string under that pull [m].
     """
 

@@ -77,7 +77,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
     """Solve for the equilibrium of a case in an operation (collective).
 
     operation: a word of OPERATIONS or of the trade; None: the case as it is, moving as its top prescribes.
-    Raises CaseError where the case cannot be in the operation, SolveError without equilibrium.
+    Raises CaseError if the case cannot be in the operation, SolveError without equilibrium.
     """
     given, comm = job.case, job.comm
     choices, units = choices or Choices(), given.shown_units
@@ -180,17 +180,17 @@ def _torque_notes(case: Case, word: str | None) -> list[str]:
     more = (
         ""
         if abs(own - other) < 0.01 * other
-        else f"; --operation drilling takes that of the roadmap, {shown(other, 'torque', units)}"
+        else f"; --operation drilling takes the roadmap's, {shown(other, 'torque', units)}"
     )
     if not given and not more:
         return []
     return [
-        f"torque on bit where the string turns: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
+        f"torque on bit while the string rotates: {shown(own, 'torque', units)} from bottom.friction {bottom.friction:g}{given}{more}"
     ]
 
 
 def _worst(table: dict[str, Any], name: str, largest: bool) -> dict[str, Any] | None:
-    """Value, measured depth [m] and item of the largest or smallest entry of a column; None where it is empty."""
+    """Value, measured depth [m] and item of the largest or smallest entry of a column; None if it is empty."""
     values = table[name]
     known = np.isfinite(values)
     if name == "side_force_per_joint":  # the trade's limit is for tool joints
@@ -203,7 +203,7 @@ def _worst(table: dict[str, Any], name: str, largest: bool) -> dict[str, Any] | 
 
 def _neutral_point(table: dict[str, Any], name: str) -> dict[str, float] | None:
     """Lowest measured depth [m] at which a force changes from tension above to compression below, and its height
-    above the string's lower end [m]; None where there is none."""
+    above the string's lower end [m]; None if there is none."""
     known = np.isfinite(table[name])
     md, force = table["md"][known], table[name][known]
     least = NO_FORCE * float(np.abs(force).max(initial=0.0))
@@ -246,7 +246,7 @@ def _margins(model: DrillingModel, found: State, pipe: Strength, soft: SoftLimit
 
 
 def _still_pressure(model: DrillingModel) -> FloatArray | None:
-    """(n, 2) tension of the wall less effective tension [N] in still mud; None where no mud is pumped."""
+    """(n, 2) tension of the wall less effective tension [N] in still mud; None if no mud is pumped."""
     fluid, case, mesh = model.fluid, model.case, model.mesh
     if (
         fluid is None

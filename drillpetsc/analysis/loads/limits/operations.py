@@ -62,7 +62,7 @@ def words_of(case: Case, name: str, units: System) -> str:
 
 
 def read_operation(word: str | None) -> str | None:
-    """The operation that a word of a user means, one of OPERATIONS; None where none is given.
+    """The operation that a word of a user means, one of OPERATIONS; None if none is given.
 
     Raises CaseError for an unknown word.
     """
@@ -83,7 +83,7 @@ def read_operation(word: str | None) -> str | None:
 def case_of(case: Case, name: str) -> Case:
     """The case in an operation: without weight on bit and off bottom where the operation is.
 
-    Raises CaseError where the case cannot be in it.
+    Raises CaseError if the case cannot be in it.
     """
     at, operation = "--operation", OPERATIONS[name]
     case = _pumping(case, load_of(case, plan_of(case), name).flow)
@@ -93,7 +93,7 @@ def case_of(case: Case, name: str) -> Case:
         raise CaseError(
             at=at,
             got=name,
-            want="no top.force: the operation moves the top, and its hook load is the answer",
+            want="no top.force: the operation moves the top, and the hook load is a result",
             hint="without --operation the case is taken as it is",
         )
     if isinstance(case.bottom, HeldBottom) and case.bottom.kind != "free":

@@ -1,4 +1,4 @@
-"""How much weight on bit, slack-off and overpull a string bears: bisection with the soft string.
+"""How much weight on bit, slack-off and overpull a string can take: bisection with the soft string.
 
 The soft string (manual: sec-soft-string-bound) takes milliseconds where the stiff one takes seconds, and both agree until
 the string buckles, which is where these searches end.

@@ -201,7 +201,7 @@ def pressure_ratios(
     inside: FloatArray,
     outside: FloatArray,
 ) -> dict[str, FloatArray]:
-    """Columns `burst_ratio` and `collapse_ratio` of limits.csv (n, 2): the difference of the pressures over what the tube bears.
+    """Columns `burst_ratio` and `collapse_ratio` of limits.csv (n, 2): the difference of the pressures over what the tube withstands.
 
     Where the pressure acts the other way the ratio is 0.
 

@@ -65,7 +65,7 @@ class Batch:
     ratios: (2, k, c) compression over the load at which the string buckles sinusoidally, helically [-].
     elongation, twist: (c,) of the whole string [m], [rad].
     locked: (c,) deepest measured depth that a change of the hook load reaches, nan: it reaches the bit [m].
-    broken: (c,) mask of strings that cannot bear the weight on bit: hook load and torque do not exist.
+    broken: (c,) mask of strings that cannot carry the weight on bit: hook load and torque do not exist.
     inside: (k, c) mask of the steps in the string; item: (k, c) number of the item.
     """
 
@@ -252,7 +252,7 @@ class Steps:
     ) -> Batch:
         """Everything that forces (k+1, c) [N] at the edges give, with their ``steps``.
 
-        broken, stop: (c,) strings that cannot bear their weight on bit, and measured depths [m] of the places; None: none.
+        broken, stop: (c,) strings that cannot carry their weight on bit, and measured depths [m] of the places; None: none.
         """
         hole, loads, placed, inside = self.hole, self.loads, self.loads.placed, self.inside
         count = len(placed)

@@ -47,7 +47,7 @@ def circulation(case: Case, depth: float, flow: float, at: str, speed: float = 0
 
     at: key of the flow rate, for messages.
     speed: of the string along the hole [m/s], positive down; without a pump the pipe is open, unless its bottom is plugged.
-    Raises CaseError without mud or a bore, SolveError where there is no steady flow.
+    Raises CaseError without mud or a bore, SolveError if there is no steady flow.
     """
     _need_mud(case, flow, at)
     model = flow_of_row(case, depth, flow, speed)

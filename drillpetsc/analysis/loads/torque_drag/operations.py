@@ -118,7 +118,7 @@ _KINDS = {"tob": "torque", "rop": "rop", "speed": "trip_speed", "rpm": "rotation
 
 
 def assumed(case: Case, plan: Roadmap, word: str) -> str:
-    """What of drilling, sliding or backreaming was assumed, in the units of the case; empty where all is given."""
+    """What of drilling, sliding or backreaming was assumed, in the units of the case; empty if all is given."""
     block, units = getattr(plan, word), case.shown_units
     missing = [key for key in _KINDS if key in type(block).model_fields and key not in block.model_fields_set]
     parts = []
@@ -259,7 +259,9 @@ def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     for name in dict.fromkeys(group):
         if len(set(own[group == name])) > 1 and name not in given:
             words = {"cased": "cased", "open_hole": "open-hole"}.get(str(name), f"{name}")
-            notes.append(f"several {words} sections with friction of their own: that of the deepest is given")
+            notes.append(
+                f"several {words} sections with different friction factors: the deepest section's is shown"
+            )
     if factors is None:
         return [pair(own * f, f) for f in FACTORS]
     if factors.combine == "all":

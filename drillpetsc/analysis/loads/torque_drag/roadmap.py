@@ -276,7 +276,7 @@ def run_roadmap(
 ) -> RunResult:
     """Compute hook load and torque over the bit depth (collective).
 
-    measured: points to be plotted; None: those of the case.
+    measured: points to be plotted; None: the case's.
     model: soft, the soft string, every rank computes the same; stiff, the static equilibrium of the beam, whose rows the
     ranks share out.  The first rank writes.
     """

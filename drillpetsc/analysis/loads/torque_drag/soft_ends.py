@@ -22,7 +22,7 @@ from drillpetsc.kernels.parameters import structure
 class TopLoads(NamedTuple):
     """What a soft string gives at its top, (c,) each.
 
-    tension [N], torque [N m]: nan for a string that cannot bear its weight on bit.
+    tension [N], torque [N m]: nan for a string that cannot carry its weight on bit.
     sinusoidal, helical: largest compression along the string over the load at which it buckles so [-].
     """
 

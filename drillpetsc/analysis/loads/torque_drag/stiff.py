@@ -62,7 +62,7 @@ class Job:
 
 
 def need_beam(case: Case) -> None:
-    """Raise CaseError for a case whose beam cannot answer a roadmap."""
+    """Raise CaseError for a case of which the beam has no roadmap."""
     if case.beam.formulation != "ancf":
         raise CaseError(
             at="--model", got="stiff", want="beam: {formulation: ancf}, whose static equilibrium is sought"
@@ -81,7 +81,7 @@ def need_beam(case: Case) -> None:
 def stiff_case(case: Case, well: Well, job: Job) -> Case:
     """The case of a row: the string in the hole at its bit depth, hung at the top, with the buoyed weights.
 
-    Raises CaseError where an item floats.
+    Raises CaseError if an item floats.
     """
     rows, g = job.rows, gravity_of(case, "roadmap")
     items = string_at(case, rows.depth).items

@@ -37,7 +37,7 @@ class StringRows:
     half_joint: half the length of a joint whose bending gathers beside the tool joints [m], nan for others.
     pressed_area: area of the wall, of the tube between tool joints, on which the pressure of the mud acts [m2].
     air_weight: weight of the whole string in air [N].
-    misfit: which item does not fit the hole there, in words; empty where all do.
+    misfit: which item does not fit the hole there, in words; empty if all do.
     """
 
     edges: FloatArray
@@ -104,7 +104,7 @@ def gravity_of(case: Case, command: str) -> float:
 def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRows:
     """The lowest ``depth`` metres of the case's string, its top at the rig; a topmost pipe is cut, or lengthened.
 
-    Raises CaseError, which names the key ``at``, where the string cannot be made so long.
+    Raises CaseError, which names the key ``at``, if the string cannot be made so long.
     """
     try:
         items = string_at(case, depth).items
@@ -146,7 +146,7 @@ def partly_filled(case: Case) -> str | None:
 
 
 def mud_in_bore(case: Case, depth: float) -> tuple[float, float]:
-    """Measured depths [m] between which mud stands in the bore of a string whose lower end is at ``depth``; (0, 0) for none."""
+    """Measured depths [m] between which there is mud in the bore of a string whose lower end is at ``depth``; (0, 0) for none."""
     fluid = case.fluid
     if fluid is None:
         return 0.0, 0.0
@@ -172,7 +172,7 @@ def _cut(items: tuple[Item, ...], edge: float) -> tuple[Item, ...]:
 
 
 def _misfit(case: Case, items: tuple[Item, ...]) -> str:
-    """Which of the items, hung from the rig, does not fit the hole, in words; empty where all do."""
+    """Which of the items, hung from the rig, does not fit the hole, in words; empty if all do."""
     if case.well is None:
         return ""
     above = 0.0

@@ -100,7 +100,7 @@ def failed(reason: str) -> dict[str, Any]:
 
 
 def said_of(row: dict[str, Any], block: float, locked: float = np.nan) -> str:
-    """What the status of a row must say; empty where there is nothing.
+    """What the status of a row must say; empty if there is nothing.
 
     block: weight that rests on the string [N]; locked: measured depth that no weight passes [m], nan: none.
     """
@@ -153,7 +153,7 @@ def still_mud(
 ) -> Pressures:
     """Pressures of still mud inside and outside strings.
 
-    bores: measured depths between which mud stands in each string (``mud_in_bore``) [m]; densities: inside, outside [kg/m3].
+    bores: measured depths between which there is mud in each string (``mud_in_bore``) [m]; densities: inside, outside [kg/m3].
     """
     depth = np.maximum(np.asarray(hole.well.at(hole.edges)[0])[:, 2], 0.0)
     upper, lower = np.array(bores).T

@@ -70,7 +70,7 @@ class SampledControl:
 
 
 def sampled_control(model: DrillingModel) -> SampledControl | None:
-    """The controller of a model that samples; None where it has none."""
+    """The controller of a model that samples; None if it has none."""
     drive = model.part(MotorDrive)
     if drive is not None and isinstance(drive.torque_input, SampledTorque):
         return SampledControl(model)

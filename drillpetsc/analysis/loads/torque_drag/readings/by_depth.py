@@ -21,7 +21,7 @@ def deepest_factor(work: Calibration, fit: Fit) -> str:
 
 
 def drift_by_windows(work: Calibration, fit: Fit) -> Drift | None:
-    """The deepest friction factor window by window of depth, the others as fitted; None where there are too few readings."""
+    """The deepest friction factor window by window of depth, the others as fitted; None if there are too few readings."""
     if fit.lengths is None or not any(work.parameter(name).is_factor for name in fit.kept):
         return None
     name, d = deepest_factor(work, fit), work.data

@@ -56,7 +56,7 @@ def run_calibrate(
 ) -> RunResult:
     """Fit friction factors to measured points (collective).
 
-    points: measured; None: those of the case. Every rank computes the same, the first one writes.
+    points: measured; None: the case's. Every rank computes the same, the first one writes.
     """
     case = job.case
     plan, system = plan_of(case), case.shown_units
@@ -170,11 +170,11 @@ def _notes(case: Case, work: Calibration, parameters: tuple[str, ...]) -> list[s
     if idle:
         which = ", ".join(dict.fromkeys(p.operation for p in idle))
         notes.append(
-            f"{len(idle)} torques without rotation ({which}) are no readings: they do not depend on friction"
+            f"{len(idle)} torques without rotation ({which}) are not fitted: they do not depend on friction"
         )
     some = [p for p in work.points if p.operation in ("drilling", "sliding")]
     if any(p.wob is None for p in some):
-        notes.append("drilling or sliding points without wob have that of the roadmap")
+        notes.append("drilling or sliding points without wob take the roadmap's")
     if any(p.torque is not None and p.tob is None for p in some):
         notes.append(
             "torque while drilling or sliding without tob: the torque on bit of the roadmap is taken"

@@ -42,7 +42,7 @@ class StiffForward:
     """Static equilibria of the beam at measured points, which the ranks share out.
 
     soft: the soft strings of the points, from which the buoyed weights and the flow come; first: parameters at which states are
-    sought first.  Raises CaseError for a case whose beam cannot answer, and for a point without a state there.
+    sought first.  Raises CaseError for a case that the beam does not cover, and for a point without a state there.
     """
 
     def __init__(self, soft: SoftForward, comm: PETSc.Comm, first: Values = MappingProxyType({})) -> None:

@@ -1,4 +1,4 @@
-"""Measured points with what hangs on the hook and stands on the bit, in place of what the instruments show (manual: sec-roadmap-sensor)."""
+"""Measured points with the loads on hook and bit in place of what the instruments show (manual: sec-roadmap-sensor)."""
 
 from __future__ import annotations
 
