@@ -167,9 +167,7 @@ def element_lengths(case: Case, well: Well | None = None) -> ElementLengths:
 def string_forces(case: Case, well: Well | None) -> StringForces:
     """Forces along the string estimated before any solve (manual: sec-mesh-forces)."""
     sections = {
-        i: _section(item, case.output.units or case.units)
-        for i, item in enumerate(case.string)
-        if isinstance(item, Flexible)
+        i: _section(item, case.said_units) for i, item in enumerate(case.string) if isinstance(item, Flexible)
     }
     return estimate_forces(case, well, sections, None)
 
@@ -194,7 +192,7 @@ def _element_ends(
     if earlier is not None:
         edges = {i: _with_depths(m, earlier) for i, m in marks.items()}
         return {**given, **edges}, ElementLengths(edges)
-    sections = {i: _section(item, case.output.units or case.units) for i, item in flexible.items()}
+    sections = {i: _section(item, case.said_units) for i, item in flexible.items()}
     lengths = choose_lengths(case, well or build_well(case), sections, marks, given, motion)
     return {**given, **lengths.edges}, lengths
 
@@ -463,16 +461,9 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     is_joint = np.zeros(n + 2, dtype=bool)  # with one more entry at either end
     is_joint[[1 + j.cell for j in joints]] = True
     items = {number: item for number, item, *_ in rows}
-    sections = {number: _section(item, case.output.units or case.units) for number, item in items.items()}
+    sections = {number: _section(item, case.said_units) for number, item in items.items()}
     offsets = {number: _polar(item.eccentricity, item.eccentricity_angle) for number, item in items.items()}
-    keys = (
-        *STIFFNESS_AND_MASS,
-        "outer_diameter",
-        "inner_diameter",
-        *OF_TUBULARS,
-        "stiffness_damping",
-        "mass_damping",
-    )
+    keys = next(iter(sections.values()))
     columns: dict[str, Any] = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
     upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
     above = np.array([r[4] for r in rows])
