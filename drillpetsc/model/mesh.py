@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -40,17 +40,6 @@ STIFFNESS_AND_MASS = (
     "torsional_stiffness",
     "mass",
     "polar_inertia",
-)
-OF_TUBULARS = (
-    "contact_diameter",
-    "clearance_diameter",
-    "outer_area",
-    "bore_area",
-    "tube_outer_area",
-    "tube_bore_area",
-    "joint_length",
-    "worn_diameter",
-    "yield_strength",
 )
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
@@ -352,8 +341,8 @@ def _with_sections(rows: list) -> list:
 def _section(item: Flexible, units: System) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
     if isinstance(item, Tubular):
-        section = tubular_section(item)
-        values = {key: getattr(section, key) for key in (*STIFFNESS_AND_MASS, *OF_TUBULARS)}
+        columns = {q.name for q in fields(StringMesh)}
+        values = {key: value for key, value in vars(tubular_section(item)).items() if key in columns}
         damping = item.material.damping
     elif isinstance(item, Tube):
         m = item.material
