@@ -79,7 +79,7 @@ class Case(CaseBlocks):
     @model_validator(mode="after")
     def _check_and_fill(self) -> Case:
         token = BARE_NUMBERS.set("SI")  # blocks that defaults build
-        words = MESSAGES.set(self.output.units or self.units)
+        words = MESSAGES.set(self.said_units)
         try:
             fill_presence_defaults(self)
             string, self._figures, origins = completed_string(self, fill_to_bit_depth(self))

@@ -216,7 +216,7 @@ def build_model(
     components += fluid.components if fluid is not None else ()
     system = DiscreteSystem(mesh, frames, components, comm)
     system.item_names = tuple(item.name or item.kind for item in case.string)
-    system.units = case.output.units or case.units
+    system.units = case.said_units
     model = DrillingModel(
         case,
         mesh,

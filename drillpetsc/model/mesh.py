@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -40,17 +40,6 @@ STIFFNESS_AND_MASS = (
     "torsional_stiffness",
     "mass",
     "polar_inertia",
-)
-OF_TUBULARS = (
-    "contact_diameter",
-    "clearance_diameter",
-    "outer_area",
-    "bore_area",
-    "tube_outer_area",
-    "tube_bore_area",
-    "joint_length",
-    "worn_diameter",
-    "yield_strength",
 )
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
@@ -167,9 +156,7 @@ def element_lengths(case: Case, well: Well | None = None) -> ElementLengths:
 def string_forces(case: Case, well: Well | None) -> StringForces:
     """Forces along the string estimated before any solve (manual: sec-mesh-forces)."""
     sections = {
-        i: _section(item, case.output.units or case.units)
-        for i, item in enumerate(case.string)
-        if isinstance(item, Flexible)
+        i: _section(item, case.said_units) for i, item in enumerate(case.string) if isinstance(item, Flexible)
     }
     return estimate_forces(case, well, sections, None)
 
@@ -194,7 +181,7 @@ def _element_ends(
     if earlier is not None:
         edges = {i: _with_depths(m, earlier) for i, m in marks.items()}
         return {**given, **edges}, ElementLengths(edges)
-    sections = {i: _section(item, case.output.units or case.units) for i, item in flexible.items()}
+    sections = {i: _section(item, case.said_units) for i, item in flexible.items()}
     lengths = choose_lengths(case, well or build_well(case), sections, marks, given, motion)
     return {**given, **lengths.edges}, lengths
 
@@ -354,8 +341,8 @@ def _with_sections(rows: list) -> list:
 def _section(item: Flexible, units: System) -> dict[str, float]:
     """Section values of a flexible item, in the units of ``StringMesh``."""
     if isinstance(item, Tubular):
-        section = tubular_section(item)
-        values = {key: getattr(section, key) for key in (*STIFFNESS_AND_MASS, *OF_TUBULARS)}
+        columns = {q.name for q in fields(StringMesh)}
+        values = {key: value for key, value in vars(tubular_section(item)).items() if key in columns}
         damping = item.material.damping
     elif isinstance(item, Tube):
         m = item.material
@@ -463,16 +450,9 @@ def _assemble(case: Case, rows, rigid, tops: dict[int, int], joints: tuple[Strin
     is_joint = np.zeros(n + 2, dtype=bool)  # with one more entry at either end
     is_joint[[1 + j.cell for j in joints]] = True
     items = {number: item for number, item, *_ in rows}
-    sections = {number: _section(item, case.output.units or case.units) for number, item in items.items()}
+    sections = {number: _section(item, case.said_units) for number, item in items.items()}
     offsets = {number: _polar(item.eccentricity, item.eccentricity_angle) for number, item in items.items()}
-    keys = (
-        *STIFFNESS_AND_MASS,
-        "outer_diameter",
-        "inner_diameter",
-        *OF_TUBULARS,
-        "stiffness_damping",
-        "mass_damping",
-    )
+    keys = next(iter(sections.values()))
     columns: dict[str, Any] = {k: np.array([sections[number][k] for number, *_ in rows]) for k in keys}
     upper, lower = np.array([r[2] for r in rows]), np.array([r[3] for r in rows])
     above = np.array([r[4] for r in rows])

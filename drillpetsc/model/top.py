@@ -188,7 +188,7 @@ def gear_of(case: Case) -> Hoisting:
     heave = None
     if h.heave is not None:
         heave = Heave(h.heave.amplitude, h.heave.period, h.heave.phase, h.heave.compensation)
-    units = case.output.units or case.units
+    units = case.said_units
     return Hoisting(h.block_mass, line, h.lines, h.height, h.crown, h.sheave_efficiency, h.tare, heave, units)
 
 

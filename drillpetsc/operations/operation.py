@@ -214,7 +214,7 @@ class CaseOperation(Operation):
         case = load_case(self.case, self.set)
         if self.petsc:  # before the options are read: several ranks then say once what is wrong with them
             start_job(petsc_options)
-        operation = self.read(case.output.units or "SI")
+        operation = self.read(case.said_units)
         case = in_units(self.prepared(case), self.units)
         self.warn(case)
         return operation.show(operation.compute(operation.job(case, Path(self.case).stem)))

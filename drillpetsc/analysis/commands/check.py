@@ -220,7 +220,7 @@ def _rig(rig: Rig, units: System) -> str:
 
 
 def _lines(model: DrillingModel, verbose: bool) -> list[str]:
-    case, units = model.case, model.case.output.units or "SI"
+    case, units = model.case, model.case.said_units
     said = [f"  {line}" for line in notes(case)]
     warnings = [line for line in said if line.startswith("  WARNING")]
     built = Built(model=model)

@@ -120,7 +120,7 @@ def _slides_unfollowed(model: DrillingModel, state: StaticState) -> bool:
 
 
 def _lines(case: Case, state: StaticState, summary: dict[str, Any]) -> list[str]:
-    units = case.output.units or "SI"
+    units = case.said_units
     lines = [f"{case.title or 'case'}: static equilibrium, motion {summary['motion']}"]
     lines += (
         [f"  {told(case, plan_of(case), summary['motion'], units)}"]

@@ -60,10 +60,8 @@ def run_top_drive(job: Job) -> RunResult:
 def _lines(
     case: Case, laws: tuple[Law, ...], motor: Motor, impedance: float, summary: dict[str, Any]
 ) -> list[str]:
-    lines = [
-        f"{case.title or 'case'}: {control_lines(laws, motor, impedance, case.output.units or case.units)[0]}"
-    ]
-    lines += control_lines(laws, motor, impedance, case.output.units or case.units)[1:]
+    lines = [f"{case.title or 'case'}: {control_lines(laws, motor, impedance, case.said_units)[0]}"]
+    lines += control_lines(laws, motor, impedance, case.said_units)[1:]
     lowest = summary["top_drive"]["torsional_frequency"]
     if lowest is not None:
         lines.append(f"  lowest torsional frequency with the top held: {lowest:.6g} Hz")

@@ -289,13 +289,13 @@ def set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) ->
     if bit is None:
         raise CaseError(
             at="initial.wob",
-            got=said(wob, "force", model.case.output.units or "SI"),
+            got=said(wob, "force", model.case.said_units),
             want="a bottom of kind bit, which carries the weight",
         )
     if not top.prescribes or model.case.top.force is not None:
         raise CaseError(
             at="initial.wob",
-            got=said(wob, "force", model.case.output.units or "SI"),
+            got=said(wob, "force", model.case.said_units),
             want="a top with a prescribed axial position (top_drive, driven, clamped, pinned)",
         )
     target = bit.depth_for(wob)

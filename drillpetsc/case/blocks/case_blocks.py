@@ -167,6 +167,11 @@ class CaseBlocks(Block):
         return self.output.units or "metric"
 
     @property
+    def said_units(self) -> System:
+        """System of units of messages about keys of the case: as its reader gave them."""
+        return self.output.units or self.units
+
+    @property
     def given_well(self) -> Well:
         """``well`` of a case that has a hole."""
         assert self.well is not None

@@ -94,7 +94,7 @@ def _string_in_hole(case: CaseBlocks) -> None:
     if case.well is None:
         return
     end = case.well.survey.md[-1]
-    units = case.output.units or case.units
+    units = case.said_units
     if case.string_length > end + LENGTH_TOLERANCE:
         whole, more = (said(v, "length", units) for v in (case.string_length, case.string_length - end))
         want = f"a string no longer than the hole, {said(end, 'length', units)}"
@@ -176,9 +176,7 @@ def _start(case: CaseBlocks) -> None:
 
 def _on_string(case: CaseBlocks) -> None:
     end = case.string_length
-    range_of_string = (
-        f"a measured depth on the string, 0 to {said(end, 'length', case.output.units or case.units)}"
-    )
+    range_of_string = f"a measured depth on the string, 0 to {said(end, 'length', case.said_units)}"
     for i, probe in enumerate(case.output.probes):
         if probe > end + LENGTH_TOLERANCE:
             raise refuse("output", "probes", i, got=probe, want=range_of_string)

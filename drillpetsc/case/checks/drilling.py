@@ -47,7 +47,7 @@ def _side_of_bit(case: CaseBlocks) -> None:
         hint = f"the rock beside the bit yields at formation.strength; the case has no {missing}"
         raise refuse("string", len(case.string) - 1, "side", got="cutting", want=want, hint=hint)
     if bit.length > 0 and bit.gauge_length > bit.length + LENGTH_TOLERANCE:
-        want = f"at most the length of the bit, {said(bit.length, 'length', case.output.units or case.units)}"
+        want = f"at most the length of the bit, {said(bit.length, 'length', case.said_units)}"
         raise refuse("string", len(case.string) - 1, "gauge_length", got=bit.gauge_length, want=want)
 
 
@@ -56,7 +56,7 @@ def _bit_passes(case: CaseBlocks) -> None:
     bit = case.string[-1]
     if case.well is None or not isinstance(bit, Bit):
         return
-    top, units = 0.0, case.output.units or case.units
+    top, units = 0.0, case.said_units
     for section in case.well.sections:
         if bit.od > section.diameter + LENGTH_TOLERANCE and top < case.string_length - LENGTH_TOLERANCE:
             ends = f"{said(top, 'length', units)} to {said(section.to, 'length', units)}"

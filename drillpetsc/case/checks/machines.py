@@ -100,6 +100,6 @@ def check_steering(case: CaseBlocks) -> None:
         above, below = case.item_depths[number]
         for i, joint in enumerate(case.joints):
             if above + TOLERANCE < joint.at < below - TOLERANCE:
-                ends = " to ".join(said(v, "length", case.output.units or case.units) for v in (above, below))
+                ends = " to ".join(said(v, "length", case.said_units) for v in (above, below))
                 want = f"no joint inside the steerable tool string[{number}], from {ends}"
                 raise refuse("joints", i, "at", got=joint.at, want=want)

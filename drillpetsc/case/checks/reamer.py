@@ -25,7 +25,7 @@ def check_reamer(case: CaseBlocks) -> None:
 
 def _check(case: CaseBlocks, number: int, below: int) -> None:
     """Raise if the reamer of ``number`` does not fit.  below: number of the item that cuts its pilot hole."""
-    item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
+    item, cutter, units = case.string[number], case.string[below], case.said_units
     assert isinstance(item, Reamer) and item.od is not None
     if not isinstance(case.string[-1], Bit):
         raise refuse("string", number, "kind", got="reamer", want="a bit below the reamer, as the last item")
@@ -46,7 +46,7 @@ def _check(case: CaseBlocks, number: int, below: int) -> None:
 
 def _check_pilot_hole(case: CaseBlocks, number: int, below: int, name: str) -> None:
     """Raise if a reamer that drills has no pilot hole.  name: of the item ``below`` that cuts it."""
-    item, cutter, units = case.string[number], case.string[below], case.output.units or case.units
+    item, cutter, units = case.string[number], case.string[below], case.said_units
 
     def length(value: float) -> str:
         return said(value, "length", units)
@@ -106,7 +106,7 @@ def _body_passes(case: CaseBlocks, number: int) -> None:
 
     Cutters open below a narrower casing: the hole above may be narrower than the cutters.
     """
-    item, units = case.string[number], case.output.units or case.units
+    item, units = case.string[number], case.said_units
     if case.well is None:
         return
     assert isinstance(item, Reamer) and item.od is not None

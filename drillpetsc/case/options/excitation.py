@@ -73,7 +73,9 @@ def _place(text: str, case: Case) -> tuple[str, float]:
         )
         raise CaseError(at="--excite", got=text, want=want, hint=suggestion(text, [*KINDS, *found]))
     if not 0 <= depth <= case.string_length:
-        want = f"a measured depth along the string, 0 to {said(case.string_length, 'length', case.output.units or 'SI')}"
+        want = (
+            f"a measured depth along the string, 0 to {said(case.string_length, 'length', case.said_units)}"
+        )
         raise CaseError(at="--excite", got=text, want=want)
     return f"MD {text}", depth
 

@@ -24,7 +24,7 @@ def measured_option(name: str, case: Case) -> tuple[MeasuredPoint, ...]:
 
     Raises CaseError, which names the option, or the file and its line.
     """
-    token = BARE_NUMBERS.set(case.output.units or "SI")
+    token = BARE_NUMBERS.set(case.said_units)
     try:
         readings, _ = read_measured(name)
         points = []

@@ -34,7 +34,7 @@ class StabilizerCompletion(Completion):
             and not isinstance(item, Reamer)
             and outer > bit.od + BLADE_OVER_BIT + 1e-9
         ):
-            units = self.case.output.units or self.case.units
+            units = self.case.said_units
             want = f"at most 1/16 in above the bit, {said(bit.od + BLADE_OVER_BIT, 'diameter', units)}"
             key = "blade_od" if "blade_od" in item.model_fields_set else "od"
             raise self.refuse(key, got=said(outer, "diameter", units), want=want)

@@ -87,7 +87,7 @@ def _hole(case: CaseBlocks) -> list[str]:
     """Doubts about the hole: width, friction, depth and angles."""
     if case.well is None:
         return []
-    out, units = [], case.output.units or "SI"
+    out, units = [], case.said_units
     for i, section in enumerate(case.well.sections):
         if section.diameter > WIDEST_HOLE:
             inches = f"; {section.diameter:g} in?" if units == "SI" and section.diameter < 50 else ""
@@ -160,7 +160,7 @@ def _string_friction(case: CaseBlocks) -> list[str]:
 
 def _preloads(case: CaseBlocks) -> list[str]:
     """Effect of a preload without an opposite load on a shock sub."""
-    out, units = [], case.output.units or "metric"
+    out, units = [], case.shown_units
     for i, tool, _ in case.tools:
         held = tool.held_by if isinstance(tool, ShockSub) else None
         if held is not None:
@@ -172,7 +172,7 @@ def _preloads(case: CaseBlocks) -> list[str]:
 
 def _fluid(case: CaseBlocks) -> list[str]:
     """Doubts about density, flow rate, pressure and viscosity of the mud."""
-    f, units = case.fluid, case.output.units or "SI"
+    f, units = case.fluid, case.said_units
     if f is None:
         return []
     out, density = [], f.density
@@ -245,9 +245,7 @@ def _motion(case: CaseBlocks) -> list[str]:
     rotation = largest(case.top.rotation)
     if rotation > FASTEST_ROTATION:
         meant = (
-            f"; bare numbers are in rad/s, were {rotation:g} rpm meant?"
-            if (case.output.units or "SI") == "SI"
-            else ""
+            f"; bare numbers are in rad/s, were {rotation:g} rpm meant?" if case.said_units == "SI" else ""
         )
         why = f"faster than drillstrings turn{meant}"
         out.append(_doubt("top.rotation", f"{rotation * 30 / math.pi:.4g} rpm", why))

@@ -34,14 +34,14 @@ def lumped_masses(case: CaseBlocks) -> list[str]:
         steel = STEEL * item.length * math.pi / 4 * item.od**2
         if not LEAST_MASS < item.mass / steel < MOST_MASS:
             out.append(
-                f"string[{i}].mass is {said(item.mass, 'mass', case.output.units or 'SI')}: a cylinder of steel of this size has {shown(steel, 'mass', case.output.units or 'SI', 3)}; another unit?"
+                f"string[{i}].mass is {said(item.mass, 'mass', case.said_units)}: a cylinder of steel of this size has {shown(steel, 'mass', case.said_units, 3)}; another unit?"
             )
     return out
 
 
 def odd_densities(case: CaseBlocks) -> list[str]:
     """List tubes as stiff as steel whose weight is not the weight of steel: a wrong row of a string sheet."""
-    units, out = case.output.units or "SI", []
+    units, out = case.said_units, []
     for i, item in enumerate(case.string):
         ratio = lighter_or_heavier(item)
         if ratio is not None:

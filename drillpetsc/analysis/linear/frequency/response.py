@@ -80,7 +80,7 @@ def places(model: DrillingModel) -> list[Place]:
         node = mesh.nearest_node(depth)
         found.append(
             Place(
-                f"probe {shown(depth, 'length', model.case.output.units or 'metric', 6)}",
+                f"probe {shown(depth, 'length', model.case.shown_units, 6)}",
                 node,
                 float(mesh.node_depth[node]),
             )
@@ -355,7 +355,7 @@ def run_response(
         )
         summary = {
             "title": case.title,
-            "excitation": excitation.words(case.output.units or "SI"),
+            "excitation": excitation.words(case.said_units),
             "order": None if excitation.kind == "motor" else excitation.order,
             "speeds": [rpm_of(s) for s in speeds],
             "validity": [word for word, _ in valid],
