@@ -492,7 +492,7 @@ class StaticNewton:
         raise SolveError(
             f"statics did not converge in {len(report.history) - start} iterations "
             f"(last increment {report.increment:.1e} of the fields' scales)",
-            hint="a stronger initial.imperfection, a finer mesh or a softer contact.stiffness may help",
+            hint="a finer mesh (mesh: {refinement: 2}), a softer contact.stiffness or a stronger initial.imperfection may help",
             **self.system.locate_largest_residual(self.t),
         )
 
