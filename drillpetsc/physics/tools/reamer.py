@@ -224,6 +224,10 @@ class Reamer(Component):
             state.x[i[8:]] = below + chip * ahead
         state.y[i[7]] = self.element_results(state)[RESULTS["rate"]]
 
+    def follow(self, leader: Component, state: Any) -> None:
+        assert isinstance(leader, Reamer)
+        self._hole.leader = leader._hole
+
     def local_update(self, state) -> FloatArray:
         """(9,) metres reamed, direction and point of the hole at the cutters, their place, and 1; zero on other ranks."""
         now = np.zeros(9)
