@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.sensitivities.doubts import Checked, Followed
+from drillpetsc.analysis.sensitivities.doubts import Checked, Followed, Unchecked
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.case import Case
 from drillpetsc.doubts import doubts_at
@@ -60,3 +60,9 @@ def test_sentence(case) -> None:
 
 def test_a_derivative_that_is_missing_disagrees(case) -> None:
     assert len(doubts_at(Checked(case, "bit_speed.mean", "gravity[2]", np.nan, 1.0))) == 1
+
+
+def test_a_check_without_the_same_steps(case) -> None:
+    (sentence,) = doubts_at(Unchecked(case, ["top.lowering", "string[0].od"]))
+    assert "top.lowering, string[0].od are not checked" in sentence
+    assert doubts_at(Unchecked(case, [])) == []

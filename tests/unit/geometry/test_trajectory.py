@@ -81,6 +81,39 @@ def test_growing_hole_follows_an_arc(step):
     assert hole.well.friction(104.0) == pytest.approx(0.25)
 
 
+def test_holes_beside_another_grow_with_it():
+    """Holes on circles of 300 m and 1e-6 more and less, as much longer: as many nodes, whose places differ as the circles do.
+
+    By themselves they would grow at other steps, of which one has 1 mm.
+    """
+    azimuth, half, share = 0.7, 0.1, 1e-6
+
+    def place(drilled: float, radius: float) -> np.ndarray:
+        behind = drilled - half
+        on_arc = arc(np.array([behind]), radius, azimuth)[0][0]
+        return on_arc if behind > 0 else np.array([0, 0, 100.0 + behind])
+
+    holes = [GrowingHole(vertical(), half, 0.12, 0.25) for _ in range(3)]
+    leader, *beside = holes
+    for hole in beside:
+        hole.leader = leader
+    for drilled in np.arange(1e-3, 3.0, 1e-3):
+        grown = [
+            hole.follow(drilled * (1 + q), place(drilled * (1 + q), 300.0 * (1 + q)))
+            for hole, q in zip(holes, (0.0, -share, share), strict=True)
+        ]
+        assert len(set(grown)) == 1
+    low, high = (hole.well for hole in beside)
+    assert len(low.node_md) == len(high.node_md) == len(leader.well.node_md)
+    assert len(low.section_to) == len(leader.well.section_to) == 2
+    new = leader.well.node_md[:-1] > 101.0
+    moved = (high.node_position - low.node_position)[:-1][new] / (2 * share)
+    s = leader.well.node_md[:-1][new] - 100.0
+    exact = (arc(s, 300.0 * (1 + share), azimuth)[0] - arc(s, 300.0 * (1 - share), azimuth)[0]) / (2 * share)
+    assert np.abs(exact).max() > 5e-3
+    assert moved == pytest.approx(exact, abs=5e-6)
+
+
 def test_memory_brings_the_hole_back():
     hole = GrowingHole(vertical(), 0.1, 0.12, 0.25)
     for drilled in np.arange(0.01, 3.0, 0.01):
