@@ -107,25 +107,20 @@ def steady_flow(system: DiscreteSystem, t: float = 0.0, tolerance: float = CONVE
         component.locate_hole(asm)
     asm.freeze(~is_fluid)
     try:
-        factor, f = shared_factor(system), system.new_condensed()
+        factor = shared_factor(system)
         weight, dofs = 1.0 / system.scale, np.flatnonzero(is_fluid)
         smallest, stalled, damping = np.inf, 0, 1.0
         asm.y[dofs] = asm.a[dofs] = 0.0
         _fill_chamber(system)
         for _ in range(MAX_ITERATIONS):
-            asm.invalidate_prescribed_values()
-            system.sum_residual(t, f)
-            asm.jacobian(t, (1.0, STORAGE_WEIGHT, 0.0), condensed=False)
             step = np.zeros(len(system.layout.local_of_owned))
-            # the string does not move, not even by the rounding errors of its ends
-            f.getArray()[~is_fluid[system.layout.local_of_owned]] = 0.0
             try:
-                factor.factor(asm.values)
+                rows = _flow_rows(system, t, is_fluid, factored=True)
             except ZeroPivot as error:
                 raise SolveError(
                     "the steady flow is not determined", time=t, **system.locate_largest_residual(t)
                 ) from error
-            factor.solve_owned(-f.getArray(readonly=1), step)
+            factor.solve_owned(-rows, step)
             owned = system.layout.local_of_owned
             size = largest(
                 system.comm,
@@ -163,14 +158,19 @@ def flow_rows(system: DiscreteSystem, t: float, factor: bool = False) -> np.ndar
     asm.freeze(~is_fluid)
     try:
         asm.y[:-1][is_fluid] = asm.a[:-1][is_fluid] = 0.0
-        asm.invalidate_prescribed_values()
-        rows = system.new_condensed()
-        system.sum_residual(t, rows)
-        if factor:
-            asm.jacobian(t, (1.0, STORAGE_WEIGHT, 0.0), condensed=False)
-            shared_factor(system).factor(asm.values)
+        return _flow_rows(system, t, is_fluid, factored=factor)
     finally:
         asm.freeze(None)
+
+
+def _flow_rows(system: DiscreteSystem, t: float, is_fluid: np.ndarray, factored: bool) -> np.ndarray:
+    asm, rows = system.assembly, system.new_condensed()
+    asm.invalidate_prescribed_values()
+    system.sum_residual(t, rows)
+    if factored:
+        asm.jacobian(t, (1.0, STORAGE_WEIGHT, 0.0), condensed=False)
+        shared_factor(system).factor(asm.values)
+    # the string does not move, not even by the rounding errors of its ends
     return np.where(is_fluid[system.layout.local_of_owned], rows.getArray(readonly=1), 0.0)
 
 

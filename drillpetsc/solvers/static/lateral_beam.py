@@ -107,7 +107,7 @@ class LateralBeam:
         self.points = ContactPoints(*(getattr(points, f.name)[order] for f in fields(points)))
         self.wall, self.load, self.held = wall, load, held
         self.nodes = len(length) + 1
-        self._elastic = self._with_ties(elements)
+        self._elastic = _with_ties(elements)
         self._band = self._assembled(self._elastic)
         h = halves_at_nodes(length)
         self._weight = np.column_stack([h, h, h**3 / 100, h**3 / 100])
@@ -127,26 +127,6 @@ class LateralBeam:
         self.usual_force = max(helix, float(np.quantile(loads, 0.9)))  # on the wall [N/m]
 
     # ---------------------------------------------------------------- matrices
-    @staticmethod
-    def _with_ties(elements: Elements) -> FloatArray:
-        """Element matrices (n, 4, 4) of each plane; joints are stiff springs between their nodes."""
-        length, bending, force, rigid = elements.length, elements.bending, elements.force, elements.rigid
-        joint, hinged = length <= JOINT, elements.hinged
-        if not joint.any():
-            return element_matrices(length, bending, force, rigid)
-        L = np.where(joint, 1.0, length)
-        EI, T = np.where(joint, 0.0, bending), np.where(joint, 0.0, force)
-        K = element_matrices(L, EI, T, rigid)
-        tie, turn = TIE * float(np.max(12 * EI / L**3)), TIE * float(np.max(4 * EI / L))
-        for e in np.flatnonzero(joint):
-            apart = np.array([1.0, rigid[e], -1.0, 0.0])
-            K[e] = tie * np.outer(apart, apart)
-            if hinged is None or not hinged[e]:
-                apart = np.array([0.0, 1.0, 0.0, -1.0])
-                K[e] += turn * np.outer(apart, apart)
-            K[e, 1, 1] += force[e] * rigid[e]  # the rigid part leans
-        return K
-
     def _assembled(self, plane: FloatArray) -> FloatArray:
         """Banded matrix (15, 4 nodes) of element matrices (n, 4, 4) of each plane."""
         n = self.nodes - 1
@@ -286,10 +266,6 @@ class LateralBeam:
         """Direction (n+1, 4) of the way that ``_advance`` takes from ``U`` along ``p``, at ``alpha``."""
         return (self._advance(U, (alpha + WAY) * p) - self._advance(U, (alpha - WAY) * p)) / (2 * WAY)
 
-    def _limit(self, U: FloatArray, p: FloatArray) -> float:
-        size = np.hypot(p[:, 0], p[:, 1]) / self.clearance
-        return min(1.0, LARGEST_MOVE / max(float(size.max(initial=0.0)), 1e-300))
-
     def soften(self) -> list[float]:
         """Factors of the wall's stiffness, rising to 1."""
         depth = SOFT_SHARE * float(self.clearance.min())
@@ -297,10 +273,9 @@ class LateralBeam:
         count = int(np.ceil(-np.log(softest) / np.log(STIFFENING))) if softest < 1 else 0
         return list(np.geomspace(softest, 1.0, count + 1)) if count else [1.0]
 
-    def move(self, a: FloatArray, b: FloatArray) -> float:
-        """Largest lateral motion from ``a`` to ``b``, as a share of the clearance."""
-        d = b - a
-        return float(np.max(np.hypot(d[:, 0], d[:, 1]) / self.clearance))
+    def size(self, p: FloatArray) -> float:
+        """Largest lateral motion in a step ``p`` (n+1, 4), as a share of the clearance."""
+        return float(np.max(np.hypot(p[:, 0], p[:, 1]) / self.clearance))
 
     def solve_step(
         self, start: FloatArray, U: FloatArray, shift: float, plain: bool = False
@@ -324,10 +299,10 @@ class LateralBeam:
                 p = p.reshape(-1, 4)
             else:
                 p, extra = self._fall(band, g, extra)
-            size = float(np.max(np.hypot(p[:, 0], p[:, 1]) / self.clearance))
+            size = self.size(p)
             if not np.isfinite(size):
                 return None
-            alpha, slope0, before = self._limit(U, p), float(np.sum(g * p)), U
+            alpha, slope0, before = min(1.0, LARGEST_MOVE / max(size, 1e-300)), float(np.sum(g * p)), U
             for _ in range(MAX_CUTS):
                 U = self._advance(before, alpha * p)
                 g, band = self._shifted_rows(start, U, shift)
@@ -374,6 +349,24 @@ class LateralBeam:
         band[WIDTH] += shift * self._weight.ravel()
         self._hold(band, g)
         return g, band
+
+
+def _with_ties(elements: Elements) -> FloatArray:
+    """Element matrices (n, 4, 4) of each plane; joints are stiff springs between their nodes."""
+    length, bending, force, rigid = elements.length, elements.bending, elements.force, elements.rigid
+    joint, hinged = length <= JOINT, elements.hinged
+    L = np.where(joint, 1.0, length)
+    EI, T = np.where(joint, 0.0, bending), np.where(joint, 0.0, force)
+    K = element_matrices(L, EI, T, rigid)
+    tie, turn = TIE * float(np.max(12 * EI / L**3)), TIE * float(np.max(4 * EI / L))
+    for e in np.flatnonzero(joint):
+        apart = np.array([1.0, rigid[e], -1.0, 0.0])
+        K[e] = tie * np.outer(apart, apart)
+        if hinged is None or not hinged[e]:
+            apart = np.array([0.0, 1.0, 0.0, -1.0])
+            K[e] += turn * np.outer(apart, apart)
+        K[e, 1, 1] += force[e] * rigid[e]  # the rigid part leans
+    return K
 
 
 def element_matrices(
@@ -435,14 +428,11 @@ def _settle(beam: LateralBeam, U: FloatArray, most: int | None = None) -> FloatA
     beam.iterations = 0
     if most is None:
         most = int(min(max(MAX_WORK / beam.nodes, MAX_ITERATIONS[0]), MAX_ITERATIONS[1]))
+    found: FloatArray | None = U
     for factor in beam.soften():
         beam.factor = factor
-        found = _descend(beam, U, most)
-        if found is None:
-            beam.factor = 1.0
-            return None
-        U = found
-    return U
+        found = None if found is None else _descend(beam, found, most)
+    return found
 
 
 def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
@@ -466,7 +456,7 @@ def _descend(beam: LateralBeam, U: FloatArray, most: int) -> FloatArray | None:
                 return None
             floor = failed = max(4 * shift, LEAST_SHIFT * first)
             continue
-        move, U, least = beam.move(U, V), V, convex
+        move, U, least = beam.size(V - U), V, convex
         if not shift:
             return U
         if least and move < STANDSTILL:

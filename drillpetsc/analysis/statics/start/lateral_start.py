@@ -95,18 +95,17 @@ def lateral_start(straight: March, coiled: March, limit: SearchLimit) -> Lateral
 
 
 def _rough_length(found: March) -> float:
-    """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F; 0 without a push."""
-    mesh = found.string.model.mesh
-    push = np.maximum(-found.effective_tension, 0.0)
-    stiffness = np.min(
-        np.divide(
-            2 * mesh.bending_stiffness,
-            push,
-            out=np.full(len(push), np.inf),
-            where=(push > 1.0) & ~mesh.is_joint,
-        )
-    )
-    return ROUGH_SHARE * 2 * np.pi * float(np.sqrt(stiffness)) if np.isfinite(stiffness) else 0.0
+    """Length [m] of elements that show a buckle: a share of the pitch 2 pi sqrt(2 EI/F) under the largest push F; 0 without a push.
+
+    A small push bends the string less than its weight does, over (EI/w)^(1/3).
+    """
+    model, mesh = found.string.model, found.string.model.mesh
+    pipe, push = ~mesh.is_joint, np.maximum(-found.effective_tension, 0.0)
+    if not push.any():
+        return 0.0
+    stiffness, weight = mesh.bending_stiffness[pipe], nodal_weight(model).sum() / mesh.total_length
+    pitch = 2 * np.pi * np.sqrt(2 * stiffness / np.maximum(push[pipe], 1e-9)).min()
+    return float(min(ROUGH_SHARE * pitch, np.cbrt(stiffness.min() / max(weight, 1e-3))))
 
 
 class _Parts:
