@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import fields
 from functools import partial, reduce
 from operator import or_
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
@@ -205,3 +206,8 @@ class ByKind:
         if not isinstance(value[key], str) or value[key] not in block_of:
             raise refuse(key, got=value[key], want=f"one of {every}", hint=kind_hint(value[key], block_of))
         return value
+
+
+def by_names(kind: type, block: Block) -> dict[str, Any]:
+    """What a block has by the names of the fields of a data class, for its construction."""
+    return {field.name: getattr(block, field.name) for field in fields(kind) if hasattr(block, field.name)}

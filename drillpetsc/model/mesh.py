@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.block import by_names
 from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.items.joints import Joint
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
@@ -232,22 +233,17 @@ def _joint(joint: Joint, tool: TelescopingTool | None = None, number: int = -1) 
     preload, torsion = 0.0, None
     if isinstance(tool, ShockSub):
         preload, torsion = tool.preload, tool.torsion_stiffness
-    return StringJoint(
-        joint.at,
-        joint.kind if torsion is None else "torsion_slider",
-        -1,
-        joint.axes,
-        joint.constraint == "stabilised",
-        joint.spring,
-        joint.damping,
-        joint.stroke,
-        joint.stop_stiffness,
-        joint.seal_area,
-        preload,
-        torsion or 0.0,
-        JAR_ROUNDING if isinstance(tool, Jar) else None,
-        _latch(tool.jar, number) if isinstance(tool, Jar) else None,
+    made = StringJoint(
+        depth=joint.at,
+        cell=-1,
+        stabilised=joint.constraint == "stabilised",
+        preload=preload,
+        torsion_spring=torsion or 0.0,
+        stop_rounding=JAR_ROUNDING if isinstance(tool, Jar) else None,
+        jar=_latch(tool.jar, number) if isinstance(tool, Jar) else None,
+        **by_names(StringJoint, joint),
     )
+    return made if torsion is None else replace(made, kind="torsion_slider")
 
 
 def _latch(jar: JarSection, number: int) -> JarLaw:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.block import by_names
 from drillpetsc.case.blocks.ends import BitBottom
 from drillpetsc.case.blocks.formation import Formation, OwnBitLaw
 from drillpetsc.case.blocks.items.string import Bit
@@ -106,15 +107,7 @@ def _law(law, radius: float, start: float) -> DragBit | Weakening | OwnLaw | Non
         depths = start, start + 1.0, start + 10.0
         return OwnLaw(BIT, law.function, law.call, law.parameters, {"depth": depths})
     if law.kind == "drag_bit":
-        return DragBit(
-            law.blades,
-            law.specific_energy,
-            law.inclination_ratio,
-            law.contact_stress,
-            law.wear_flat,
-            law.friction,
-            law.exposure,
-        )
+        return DragBit(**by_names(DragBit, law))
     if law.kind == "velocity_weakening":
         if law.static is not None:
             return Weakening(law.static, law.dynamic, law.speed)
@@ -129,19 +122,11 @@ def _layers(formation, start: float) -> tuple[Layer, ...]:
     if formation.layers and formation.layers[-1].to is not None:
         rows.append((formation.layers[-1].to, formation))
     begins = max(i for i, (depth, _) in enumerate(rows) if depth <= start)
-    return tuple(_layer(q, depth - start if i else -1.0) for i, (depth, q) in enumerate(rows[begins:]))
-
-
-def _layer(q, start: float) -> Layer:
-    """Create a layer; ``start``: its top below the end of the hole [m], negative for the first layer."""
-    return Layer(
-        start,
-        q.drillability,
-        q.rotary_exponent,
-        q.weight_exponent,
-        q.threshold,
-        q.bit_anisotropy,
-        rock_matrix(q.rock_anisotropy),
+    # the first layer begins anywhere above the end of the hole
+    tops = (depth - start if i else -1.0 for i, (depth, _) in enumerate(rows[begins:]))
+    return tuple(
+        Layer(start=top, rock=rock_matrix(q.rock_anisotropy), **by_names(Layer, q))
+        for top, (_, q) in zip(tops, rows[begins:], strict=True)
     )
 
 

@@ -205,14 +205,12 @@ class Vibration(Operation):
     """Indices of drilling dynamics of a run: stick-slip, vibration, specific energy, whirl; writes indices.csv."""
 
     folder: RunFolder
-    window: Annotated[
-        str | None, TIME, "TIME", "length of a window (default: that of the case, else 20 s)"
-    ] = None
+    window: Annotated[str | None, TIME, "TIME", "length of a window (default: the case's, else 20 s)"] = None
     every: Annotated[
         str | None,
         TIME,
         "TIME",
-        "time from the end of a window to that of the next (default: the case's, else 1 s)",
+        "time between the ends of two windows (default: the case's, else 1 s)",
     ] = None
 
     def compute(self, job: Any) -> Any:

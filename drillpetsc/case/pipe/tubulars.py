@@ -229,7 +229,7 @@ class TubularCompletion(Completion):
             pipe = " or a pipe from the catalogue" if isinstance(item, Jointed) else ""
             hint = "a solid bar has id: 0"
             if isinstance(item, DrillPipe) and item.weight is not None:
-                hint = "nominal_weight finds the row of the catalogue; weight is that of the pipe with its tool joints, as weighed"
+                hint = "nominal_weight finds the row of the catalogue; weight is the weight of the pipe with its tool joints, as weighed"
             raise self.refuse("id", want=f"an inner diameter, a wall{pipe}", hint=hint)
         if inner < 0 or inner >= outer:
             raise self.refuse(

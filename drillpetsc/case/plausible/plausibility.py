@@ -257,7 +257,7 @@ def _gravity(case: CaseBlocks) -> list[str]:
     north, east, down = case.gravity
     if north or east or not down or EARTH[0] <= down <= EARTH[1]:
         return []
-    why = "the string falls upward" if down < 0 else "9.81 m/s2 is that of the Earth"
+    why = "the string falls upward" if down < 0 else "9.81 m/s2 is the Earth's"
     return [_doubt("gravity", f"{down:g} m/s2 downward", why)]
 
 

@@ -17,6 +17,7 @@ ALLOWED = {
     "arrays",
     "case",
     "errors",
+    "html_table",
     "own_code",
     "time_function",
     "unit_systems",
