@@ -127,7 +127,8 @@ def test_check_valve_reflects_a_fall_and_lets_a_rise_out(sign):
 
 def test_volume_pumped_into_a_closed_string(tmp_path):
     """25 MPa in a plugged string without weight: its bore takes A L [exp(p/K) (1 + 2 e_hoop)(1 + e_axial) - 1], with Lame's strains of
-    a tube with closed ends, and it stretches by e_axial L. The mud in the bore stretches the string and shrinks with its Poisson strain.
+    a tube with closed ends, and it stretches by e_axial L. The mud in the bore stretches the string and shrinks with its Poisson strain (manual:
+    verif-closed-string).
     """
     p, length = 25e6, 400.0
     ri, ro = 0.0543, 0.0635

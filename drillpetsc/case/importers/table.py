@@ -154,18 +154,22 @@ def columns_of(
 ) -> dict[str, tuple[int, str]] | None:
     """Column and unit of each quantity; None unless measured depth, inclination and azimuth are named.
 
-    given: quantity -> title of its column, for titles that are not known
+    given: quantity -> title of its column, for titles that are not known; a unit in brackets may be left out
     """
     found: dict[str, list[tuple[int, int, str]]] = {}
-    titles = {title.strip().casefold(): column for column, title in (given or {}).items()}
+    titles, taken = {title.strip().casefold(): column for column, title in (given or {}).items()}, set()
     for i, title in enumerate(heads):
-        column = titles.get(title.strip().casefold())
+        whole = title.strip().casefold()
+        column = titles.get(whole) or titles.get(_IN_BRACKETS.sub("", whole).strip())
         if column is not None:
-            found[column] = [(-1, i, unit_of_title(title, column))]
+            found.setdefault(column, []).append(
+                (-2 if whole in titles else -1, i, unit_of_title(title, column))
+            )
+            taken.add(i)
     if len(found) < len(titles):
         return None
     for i, title in enumerate(heads):
-        if title.strip().casefold() in titles:
+        if i in taken:
             continue
         match = named(title) if len(title) <= 80 else None
         if match:

@@ -85,6 +85,20 @@ def test_columns_named_by_the_user(tmp_path: Path) -> None:
         read(tmp_path, text, columns={"md": "Teufe"})
 
 
+def test_a_column_named_without_its_unit(tmp_path: Path) -> None:
+    """The hint about an unknown heading names titles without their brackets; a title given in full comes first, and two that fit are refused."""
+    text = "Tiefe (ft);Neigung [°];Richtung\n0;0;0\n1000;5;45\n"
+    columns = {"md": "Tiefe", "inclination": "neigung", "azimuth": "Richtung"}
+    found = read(tmp_path, text, columns=columns)
+    assert (found.md[-1], found.inclination[-1]) == pytest.approx((1000 * FOOT, math.radians(5)))
+    two = (
+        text.replace("Richtung", "Richtung;Tiefe (m)").replace("0;0;0\n", "0;0;0;0\n").replace("45", "45;300")
+    )
+    with pytest.raises(CaseError, match="several columns fit"):
+        read(tmp_path, two, columns=columns)
+    assert read(tmp_path, two, columns=columns | {"md": "Tiefe (m)"}).md[-1] == pytest.approx(300)
+
+
 def test_unknown_headings_show_the_key(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="columns: {md"):
         read(tmp_path, "Tiefe;Inc;Azi\n0;0;0\n100;5;45\n")
