@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.html_table import html_table
+from drillpetsc.case.html_table import html_table
 from drillpetsc.output.files.tables import split_name
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit

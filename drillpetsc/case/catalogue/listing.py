@@ -19,8 +19,8 @@ from drillpetsc.case.catalogue.reference import (
 )
 from drillpetsc.case.catalogue.sizes import FT_LBF, KSI, LB_PER_FT, LBF, inch_text, size_at_start
 from drillpetsc.case.catalogue.tables import TABLES, Catalogue, Row, units_of
+from drillpetsc.case.html_table import html_table
 from drillpetsc.errors import CaseError
-from drillpetsc.html_table import html_table
 
 TITLES = {
     "drill_pipe": "Drill pipe, tubes",

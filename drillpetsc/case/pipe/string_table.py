@@ -8,8 +8,8 @@ from typing import Any
 
 from drillpetsc.case.blocks.items.string import Beam, Rigid, Tube
 from drillpetsc.case.blocks.items.tubulars import Tubular
+from drillpetsc.case.html_table import html_table
 from drillpetsc.case.pipe.section import ring, tubular_section
-from drillpetsc.html_table import html_table
 from drillpetsc.unit_systems import System, display
 
 WIDTH, HEIGHT, SMALLEST = 60, 240.0, 14.0  # of the schematic, and of an item in it [pixels]
