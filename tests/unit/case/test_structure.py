@@ -17,7 +17,6 @@ ALLOWED = {
     "arrays",
     "case",
     "errors",
-    "html_table",
     "own_code",
     "time_function",
     "unit_systems",
