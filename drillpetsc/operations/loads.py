@@ -374,6 +374,10 @@ class Follow(FolderOperation):
         "soft: soft string; stiff: the beam as well, one state a stand, of a second or two; says where both differ",
     ] = "soft"
 
+    @property
+    def continues(self) -> bool:
+        return self.restart
+
     def compute(self, job: Any) -> Any:
         from drillpetsc.analysis.follow.session import Choices, run_follow
         from drillpetsc.case.options.measured_option import prior_option

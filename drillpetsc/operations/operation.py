@@ -271,7 +271,15 @@ class FolderOperation(CaseOperation):
         """The case, and the folder of the results."""
         from drillpetsc.output.job import Job
 
-        return Job(case, self.out, self.overwrite, self.name or name, self.comm)
+        job = Job(case, self.out, self.overwrite, self.name or name, self.comm)
+        if not self.continues:
+            job.refuse_existing()
+        return job
+
+    @property
+    def continues(self) -> bool:
+        """Whether the command goes on with a folder that exists."""
+        return False
 
     def call(self) -> Any:
         """Run the operation for Python; returns its result, with tables and pictures."""

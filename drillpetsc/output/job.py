@@ -11,7 +11,7 @@ from typing import Any
 from drillpetsc.case.case import Case
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.files.json_file import write_summary
-from drillpetsc.output.files.run_folder import RunFolder, make_folder
+from drillpetsc.output.files.run_folder import RunFolder, make_folder, refuse_existing
 from drillpetsc.output.files.tables import Column, Row, write_rows
 from drillpetsc.output.shown_units import lengths_shown
 
@@ -53,6 +53,11 @@ class Job:
         from petsc4py import PETSc
 
         return self.communicator or PETSc.COMM_WORLD
+
+    def refuse_existing(self) -> None:
+        """Raise CaseError if the run folder exists and may not be replaced; collective."""
+        if self.out is not None and not self.overwrite:
+            refuse_existing(self.comm, self.out)
 
     def make_folder(self) -> RunFolder:
         """Make the run folder; collective.  A computation does so when nothing can be refused any more."""

@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drillpetsc import cli
+from drillpetsc.operations import OPERATIONS
 from drillpetsc.output import read_frame, read_series, read_table
 from tests.helpers.command import drillpetsc, in_own_process, succeeds
 
@@ -222,6 +224,23 @@ def test_statics_and_modes_from_python(finished, tmp_path):
     assert any("hook load" in line for line in state.lines)
     found = modes(load_case(finished / "small.yaml"), tmp_path / "modes", count=2, about="rest")
     assert (found.folder / "modes.csv").exists() and found.summary["modes"] >= 2
+
+
+@pytest.mark.parametrize(
+    "command", ["modes", "statics", "sensitivities --to gravity", "follow --log none.csv"]
+)
+def test_a_folder_that_exists_is_refused_before_the_computation(
+    command, finished, tmp_path, capsys, monkeypatch
+):
+    """Minutes of work were lost to it; `follow --restart` goes on with the folder."""
+    name, *words = command.split()
+    operation = next(q for q in OPERATIONS if q.command() == name)
+    monkeypatch.setattr(operation, "compute", lambda self, job: pytest.fail("computed"))
+    assert cli.main([name, str(finished / "small.yaml"), *words, "--out", str(tmp_path)]) == 2
+    assert "--overwrite" in capsys.readouterr().err
+    with pytest.raises(pytest.fail.Exception, match="computed"):
+        more = "--restart" if name == "follow" else "--overwrite"
+        cli.main([name, str(finished / "small.yaml"), *words, "--out", str(tmp_path), more])
 
 
 def test_python_gives_the_same_run(finished, tmp_path):

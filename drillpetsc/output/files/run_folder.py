@@ -142,15 +142,8 @@ class RunFolder:
         try:
             path.mkdir(parents=True)
         except FileExistsError:
-            if not path.is_dir():
-                raise RunFolderExists(
-                    f"output folder {path} exists and is not a folder: give another --out"
-                ) from None
-            if not overwrite:
-                raise RunFolderExists(
-                    f"output folder {path} exists: give another --out, "
-                    "or --restart to continue it, or --overwrite to replace it"
-                ) from None
+            if not overwrite or not path.is_dir():
+                raise _exists(path) from None
             lock.take(path)
             cls(path).clear()
         lock.take(path)
@@ -251,6 +244,25 @@ def _make_next(case_name: str, results: Path) -> Path:
             return path
         except FileExistsError:
             number += 1
+
+
+def _exists(path: Path) -> RunFolderExists:
+    """The error that a folder cannot be new."""
+    if not path.is_dir():
+        return RunFolderExists(f"output folder {path} exists and is not a folder: give another --out")
+    return RunFolderExists(
+        f"output folder {path} exists: give another --out, or --restart to continue it, or --overwrite to replace it"
+    )
+
+
+def refuse_existing(comm: Any, out: str | os.PathLike) -> None:
+    """Raise CaseError on every rank if a new folder ``out`` cannot be made, before a long computation; collective."""
+
+    def refuse() -> None:
+        if (path := Path(out)).exists():
+            raise CaseError(at="--out", got=str(out), want=str(_exists(path)))
+
+    first_rank_gives(comm.tompi4py(), refuse)
 
 
 def make_folder(
