@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.statics.equilibrium import StaticState, director_equilibrium
+from drillpetsc.analysis.statics.flow_coupling import surge_rates
 from drillpetsc.analysis.statics.placement import (
     average_over_turn,
-    hole_at_string,
     place_along_hole,
     prescribed_motion,
 )
@@ -51,28 +51,14 @@ def quaternion_equilibrium(
     ) in model.system.components:  # size and direction of the hole at the string's present position
         component.locate_hole(model.system.assembly)
     asm = model.system.assembly
-    # pressures and flow rates are those of the ANCF string; their drag uses the velocity that the top
-    # prescribes
+    # pressures and flow rates are those of the ANCF string; their drag uses its rates
+    rates = surge_rates(model, prescribed_motion(model)[0]) if motion is None else None
     asm.freeze(fluid_unknowns(model.system))
     try:
-        state.equilibrium.iterations += solve_at_rest(
-            model.system, velocity=_lowering_velocity(model) if motion is None else None
-        )
+        state.equilibrium.iterations += solve_at_rest(model.system, rates=rates)
     finally:
         asm.freeze(None)
     return state
-
-
-def _lowering_velocity(model: DrillingModel) -> FloatArray | None:
-    """Compute the velocity (nv, 3) [m/s] of the local nodes with which the top lowers the string at time 0.
-
-    None without mud or without lowering.
-    """
-    lowering = prescribed_motion(model)[0]
-    if model.fluid is None or not lowering:
-        return None
-    tangent, _ = hole_at_string(model)
-    return lowering * tangent[model.system.chain.vertices]
 
 
 def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
@@ -101,33 +87,31 @@ def copy_ancf_state(ancf: DiscreteSystem, system: DiscreteSystem) -> None:
         system.assembly.dead_load = dead_load
 
 
-def solve_at_rest(system: DiscreteSystem, t: float = 0.0, velocity: FloatArray | None = None) -> int:
+def solve_at_rest(system: DiscreteSystem, t: float = 0.0, rates: FloatArray | None = None) -> int:
     """Solve for the equilibrium at rest by Newton's method from the assembly's x; returns the iterations.
 
     Collective.
 
     t: time of the inputs [s].
-    velocity: (nv, 3) of the local nodes [m/s], for the drag of mud; zero by default.
+    rates: (n+1,) of a steady motion that the mud sees [SI of each field per second]; zero by default.
     Raises SolveError if the iteration does not converge.
     """
     for component in system.components:
         component.constrain_positions(True)
     try:
-        return _newton(system, t, velocity)
+        return _newton(system, t, rates)
     finally:
         for component in system.components:
             component.constrain_positions(False)
 
 
-def _newton(system: DiscreteSystem, t: float, velocity: FloatArray | None) -> int:
+def _newton(system: DiscreteSystem, t: float, rates: FloatArray | None) -> int:
     asm, factor, q = system.assembly, shared_factor(system), system.new_condensed()
     constraints = ConstraintProducts(system)
     rows, owned = system.new_condensed(), system.layout.local_of_owned
     step, before, mpi = np.zeros(len(owned)), np.inf, system.comm.tompi4py()
     for iteration in range(1, MAX_ITERATIONS + 1):
-        asm.y[:], asm.a[:] = 0.0, 0.0
-        if velocity is not None:
-            asm.y[system.layout.dofs["string.position"]] = velocity
+        asm.y[:], asm.a[:] = 0.0 if rates is None else rates, 0.0
         system.sum_residual(t, rows)
         asm.jacobian(t, (1.0, 0.0, 0.0), condensed=False)
         constraints.add(asm.values)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drillpetsc.analysis.statics.imperfection import nodal_weight, side_load_size
-from drillpetsc.analysis.statics.start.march import March, stands
+from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.quadrature import exposed_ends, rule
 from drillpetsc.fem.string_mesh import RigidItem
@@ -64,8 +64,12 @@ def lateral_start(straight: March, coiled: March, limit: SearchLimit) -> Lateral
     Returns None if no stable state is found.  The same on all ranks.
     """
     model = straight.string.model
-    push = -float(coiled.axial_force[-1]) if stands(model) else None
-    found, disturbed = replace(straight.with_contact(coiled.contact_force, push), shape=coiled.shape), False
+    found, disturbed = (
+        replace(
+            straight.with_contact(coiled.contact_force, float(coiled.axial_force[-1])), shape=coiled.shape
+        ),
+        False,
+    )
     # only on the pushed part: kilometres of pipe in tension would lie down on the wall under them
     tension = at_nodes(found.effective_tension, found.effective_tension)
     size = np.where(tension < 0, side_load_size(model), 0.0)

@@ -142,15 +142,15 @@ class March:
         """(n, 3) load across the hole, of weight, flow and tension in its curvature [N]."""
         return self.string.side_load(self.axial_force)
 
-    def with_contact(self, contact: FloatArray, push: float | None = None) -> March:
-        """The march with the axial force and torque that belong to the contact forces (n,) [N]; push: on the bit [N], None: as before.
+    def with_contact(self, contact: FloatArray, below: float | None = None) -> March:
+        """The march with the axial force and torque that belong to the contact forces (n,) [N].
 
-        The bit stays where it is, or the top where the bit stands under a held top.
+        below: axial force below the string [N], None: as before.
         """
         string, more = self.string, contact - self.contact_force
         change = -sums_from_below(string.drag * more)
-        if push is not None:
-            change -= push + self.axial_force[-1]
+        if below is not None:
+            change += below - self.axial_force[-1]
         if string.model.case.top.force is not None:
             change -= change[0]  # the top is given, so the bit feels the difference
         torque = self.torque + sums_from_below(string.around * more)
