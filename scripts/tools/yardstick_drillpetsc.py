@@ -21,7 +21,7 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
-from drillpetsc.analysis.statics.relaxation import relax
+from drillpetsc.analysis.statics.relaxation import come_to_rest
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.model.drilling_model import build_model
@@ -123,13 +123,13 @@ def mitchell(problem: Problem) -> Found:
     for end, offset in ((model.top, around[0]), (held, around[-1])):
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
     model.contact.impose_sliding_direction(0.0, 0.0)
-    relax(model, StaticNewton(system, clearance=clearance), Equilibrium())
+    come_to_rest(model, StaticNewton(system, clearance=clearance), Equilibrium())
     middle = slice(elements // 4, 3 * elements // 4)
     cells, _ = model.contact.element_results(system.assembly)
     position = system.field("string.position")
     angle = np.unwrap(np.arctan2(position[:, 1], position[:, 0]))
     turns = abs(angle[middle.stop] - angle[middle.start]) / (2 * np.pi)
-    beam = model.beam.element_results(system.layout, system.assembly.x, system.assembly.y)
+    beam = model.beam.element_results(system.assembly)
     return {
         "contact force": float((cells[middle, 0] / model.mesh.length[middle]).mean()),
         "pitch": float((depth[middle.stop] - depth[middle.start]) / turns),

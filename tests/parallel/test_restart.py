@@ -87,6 +87,28 @@ def test_a_run_restarted_at_a_bend_or_jump_of_an_input_is_bit_identical(kind, tm
                 assert content == whole[name], (time, name)
 
 
+TAKES_OVER = """  motor: {inertia: 1000 kg m^2}
+  control:
+    - {kind: stiff}
+    - {kind: soft_torque, from: 40 ms, damping: 0.25, frequency: 1 Hz, inertia_compensation: 0.5}
+bottom: free
+"""
+
+
+@pytest.mark.parametrize("kind", ["bdf", "alpha2"])
+def test_a_run_restarted_where_a_controller_takes_over_is_bit_identical(kind, tmp_path, monkeypatch, options):
+    """It takes over without a jump of the torque, which follows from the speed and its rate."""
+    options(ts_type=kind)
+    text = CASE.replace("bottom: free\n", TAKES_OVER).replace(
+        "checkpoint_every: 3 ms", "checkpoint_every: 40 ms"
+    )
+    (tmp_path / "case.yaml").write_text(text.replace("end: 0.1 s", "end: 45 ms"))
+    copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
+    assert checkpoint.read(copies[1] / "checkpoint.h5").time == 0.04
+    run(load_case(tmp_path / "case.yaml"), copies[1], restart=True, progress="silent")
+    assert files(copies[1]) == files(tmp_path / "run")
+
+
 def test_checkpoints_change_no_number(tmp_path):
     """With a checkpoint every 3 ms and with the first and the last only."""
     results = []

@@ -102,7 +102,8 @@ class RunCalibration(Estimator):
     def slopes(self, values: Values, names: Sequence[str], forward: object = None) -> FloatArray:
         """(k, n) change of the readings per unit of each parameter, at some values; raises SolveError without a run."""
         series = self.followed(self.fixed | values, names)
-        return np.array([self._at_log(series, series.slopes[:, :, k]) for k in range(len(names))])
+        # one that chaotic motion has lost pulls nowhere; ``_misfitting`` names it where the search ends
+        return np.nan_to_num([self._at_log(series, series.slopes[:, :, k]) for k in range(len(names))])
 
     def followed(self, values: Values, names: Sequence[str], more: Sequence[str] = ()) -> RunSeries:
         """The run at some values with the derivatives by ``names``; more: further columns."""

@@ -234,10 +234,10 @@ class MotorDrive(Drive):
     def at_break(self, t: float, state: Any) -> bool:
         """Change to the law that acts from ``t`` [s] on without a jump of the torque; True if states change."""
         phase = self._phase_at(t) if len(self.laws) > 1 else self._phase
-        before = self._phase_at(float(np.nextafter(t, -np.inf))) if self.laws else 0
-        if phase == before:
+        earlier = float(np.nextafter(t, -np.inf))
+        if phase == (self._phase_at(earlier) if self.laws else 0):
             return False
-        self._set_phase(before)
+        self._update(earlier)  # as the step did that ended here; a restarted run has made none
         old = self.results(state)
         self._set_phase(phase)
         if not len(self._block.points) or not self.params["integration"][0]:

@@ -238,9 +238,12 @@ class GeneralizedAlpha(TimeIntegrator):
         self.fresh = True
 
     # ------------------------------------------------------------------ run
-    def _begin(self, t: float, first: bool, at_break: bool, at_sample: bool) -> None:
+    def _take_up(self, at_break: bool) -> None:
         if self._restored is not None:
             self._restore(self._restored, at_break)
+
+    def _begin(self, t: float, first: bool, at_break: bool, at_sample: bool) -> None:
+        if self._restored is not None:
             first, self._restored = False, None
         if not first and not at_break:
             if at_sample:

@@ -21,7 +21,7 @@ from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.kernels.denormals import flushed_denormals
 from drillpetsc.parallel import total
 from drillpetsc.solvers.petsc_options import refused_by_petsc
-from drillpetsc.solvers.time.bdf_history import BdfHistory
+from drillpetsc.solvers.time.bdf_history import BdfHistory, local, nodal
 from drillpetsc.solvers.time.first_order_system import FirstOrderSystem, refuse_integrator
 from drillpetsc.solvers.time.local_error import BdfOutputErrors, OutputErrors
 from drillpetsc.solvers.time.newton import CondensedNewton
@@ -160,6 +160,7 @@ class TimeIntegrator:
         self._mud_masked, self._requested_step, self._next_step = False, 0.0, 0.0
         self._frozen: list[float] | None = None
         self._restored: dict[str, FloatArray] | None = None
+        self._accelerations: FloatArray | None = None  # of a checkpoint, by node
         # formulas whose history can be rebuilt; the others restart at every checkpoint, also in uninterrupted
         # runs
         self.keeps_history = self.condensed and adaption in ("basic", "none")
@@ -535,6 +536,7 @@ class TimeIntegrator:
         if self.work is not None:
             self.work.start(start)
         first, at_break = not resume, any(abs(b - start) <= near for b in breaks)
+        self._take_up(at_break)
         for stop in self._with_samples(start, end, near, stops):
             if at_break:
                 self._change_states(t)
@@ -544,6 +546,13 @@ class TimeIntegrator:
             t = self._advance(t)
             if self.stopped:
                 return
+
+    def _take_up(self, at_break: bool) -> None:
+        """Take up a checkpoint before components see its state; at_break: an input jumps or bends there."""
+        found, self._accelerations = self._accelerations, None
+        if at_break and found is not None:  # for a controller that takes over without a jump of its torque
+            asm = self.system.assembly
+            asm.a[:] = local(self.system, found, asm.a)
 
     def _begin(self, t: float, first: bool, at_break: bool, at_sample: bool) -> None:
         """Begin the stretch of a run from ``t`` [s] to the next stop; first: of the run, without the history of an earlier one."""
@@ -636,21 +645,19 @@ class TimeIntegrator:
         """Return the data that a restart needs besides the state, for use in on_step_end; complete on rank 0; collective.
 
         clock: next step [s], number of steps, coming steps over a jump, whether the mud has no error control.
+        accelerations: (nodes, m) of all fields.
         Further entries: see ``BdfHistory.get_state`` and ``CondensedNewton.get_state``.
-        An integrator whose history cannot be rebuilt has only first_step [s].
+        An integrator whose history cannot be rebuilt has first_step [s] in place of clock and those.
         """
+        gathered = self.system.gather(nodal(self.system, self.system.assembly.a))
+        own = self._work_state() | ({} if gathered is None else {"accelerations": gathered})
         if not self.keeps_history:  # the formula restarts here, in this run and in a restarted one
             self.first_step = max(self.first_step, 0.1 * self.last_step)
-            return {"first_step": np.array(self.first_step)} | self._work_state()
+            return {"first_step": np.array(self.first_step)} | own
         clock = np.array(
             [self.ts.getTimeStep(), self._step_number, self._steps_over_jump, self._mud_masked], dtype=float
         )
-        return (
-            {"clock": clock}
-            | self.history.get_state(self.system)
-            | self.newton.get_state()
-            | self._work_state()
-        )
+        return {"clock": clock} | self.history.get_state(self.system) | self.newton.get_state() | own
 
     def _work_state(self) -> dict[str, FloatArray]:
         work = self.work.get_state() if self.work is not None else {}
@@ -663,6 +670,7 @@ class TimeIntegrator:
         """
         if self.work is not None:
             self.work.set_state(state)
+        self._accelerations = state.get("accelerations")
         if not self.keeps_history:
             self.first_step = float(state.get("first_step", self.first_step))
         elif "times" in state:

@@ -37,6 +37,8 @@ def _beyond(times: FloatArray, values: FloatArray, slopes: FloatArray) -> float:
 
 
 def _grows(times: FloatArray, slopes: FloatArray) -> bool:
+    if len(times) < FEWEST:
+        return False
     largest = np.maximum.accumulate(
         np.abs(slopes)
     )  # without the zeros at which the derivative changes its sign
