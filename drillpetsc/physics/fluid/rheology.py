@@ -198,25 +198,3 @@ def pressure_gradient(
 ) -> Array:
     """Compute the frictional pressure loss per length, 4 tau/d_h [Pa/m]; arguments as in `wall_shear`."""
     return 4.0 * wall_shear(law, speed, diameter, annulus, density) / np.asarray(diameter, dtype=float)
-
-
-def eccentricity_factor(
-    eccentricity: ArrayLike, diameter_ratio: ArrayLike, index: float, turbulent: bool = False
-) -> Array:
-    """Compute the ratio of the pressure losses of an eccentric and a concentric annulus [-].
-
-    Manual: sec-mud-eccentricity.
-
-    Haciislamoglu and Langlinais, "Non-Newtonian flow in eccentric annuli", J. Energy Resour. Technol. 112,
-    1990, 163-169, and Haciislamoglu and Cartalos, SPE 28304, 1994, for turbulent flow; the coefficients are
-    recalled, not re-read.
-
-    eccentricity: offset of the axes over half the difference of the diameters [-], 0 to 0.95.
-    diameter_ratio: string over hole diameter [-], 0.3 to 0.9.
-    index: flow index [-], 0.4 to 1.
-    turbulent: the flow is turbulent.
-    """
-    e, k = np.asarray(eccentricity, dtype=float), np.asarray(diameter_ratio, dtype=float)
-    c1, c2, c3 = (0.048, 2.0 / 3.0, 0.285) if turbulent else (0.072, 1.5, 0.96)
-    root = np.sqrt(index)
-    return 1.0 - c1 * e / index * k**0.8454 - c2 * e**2 * root * k**0.1852 + c3 * e**3 * root * k**0.2527

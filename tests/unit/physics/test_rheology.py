@@ -10,7 +10,6 @@ from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.kernels import function, pointer
 from drillpetsc.physics.fluid.rheology import (
     Rheology,
-    eccentricity_factor,
     pressure_gradient,
     wall_shear,
     wall_shear_and_slope,
@@ -396,15 +395,6 @@ def test_special_cases_agree():
     )  # through the inversion: must meet the closed form
     assert wall_shear(thin, w, *args) == pytest.approx(
         wall_shear(Rheology.power_law(0.4, 0.7), w, *args), rel=1e-7
-    )
-
-
-def test_eccentricity_factor():
-    """k .588, n .7; e .5 -> .7706, .9 -> .5315 laminar, .8778, .7031 turbulent; 1 when concentric (manual:
-    sec-mud-eccentricity)."""
-    assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7) == pytest.approx([1.0, 0.7706, 0.5315], abs=2e-4)
-    assert eccentricity_factor([0.0, 0.5, 0.9], 0.588, 0.7, True) == pytest.approx(
-        [1.0, 0.8778, 0.7031], abs=2e-4
     )
 
 
