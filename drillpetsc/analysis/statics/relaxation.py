@@ -12,6 +12,7 @@ from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.solvers.static.search_limit import SearchEnded
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
@@ -95,6 +96,8 @@ def come_to_rest(
         except SolveError as error:
             failure = error
             start.restore()
+            if isinstance(error, SearchEnded):  # so would any other step
+                break
             if shorter:
                 drag, shorter = shorter, 0.0
                 continue

@@ -29,9 +29,9 @@ from drillpetsc.output.progress import Progress
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import total
 from drillpetsc.physics.tools.mud_motor import MudMotor
-from drillpetsc.solvers.time.beside_systems import Beside
+from drillpetsc.solvers.time.derivatives.beside_systems import Beside
+from drillpetsc.solvers.time.derivatives.step_tangent import StepTangent
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
-from drillpetsc.solvers.time.step_tangent import StepTangent
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
 #: of the cases beside the run, relative: contacts yield by micrometres, and rates are smooth over so little

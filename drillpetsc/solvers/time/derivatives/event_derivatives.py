@@ -11,8 +11,8 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.parallel import total
-from drillpetsc.solvers.time.beside_systems import Beside
 from drillpetsc.solvers.time.consistent_start import ConsistentStart
+from drillpetsc.solvers.time.derivatives.beside_systems import Beside
 
 AHEAD = 1.0e-5  # of the difference that is the rate of the distance to the event [s]
 LATE = 1.0e-5  # the law of a state further beyond its limit than this has ended before: its event is not moved by parameters [s]

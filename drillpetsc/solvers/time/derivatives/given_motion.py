@@ -12,7 +12,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.fem.bound_parts import RowReplacement
 from drillpetsc.kernels import pointer
 from drillpetsc.kernels.parameters import structure
-from drillpetsc.solvers.time.beside_systems import Beside
+from drillpetsc.solvers.time.derivatives.beside_systems import Beside
 
 GivenCall = structure("given_call")
 

@@ -16,12 +16,12 @@ from drillpetsc.errors import SolveError
 from drillpetsc.fem.component import Component
 from drillpetsc.kernels import address, function, pointer
 from drillpetsc.kernels.parameters import structure
-from drillpetsc.solvers.time.beside_systems import Beside, BesideSystems
 from drillpetsc.solvers.time.consistent_start import ConsistentStart
-from drillpetsc.solvers.time.event_derivatives import EventDerivatives
-from drillpetsc.solvers.time.formula_derivatives import AlphaDerivatives, BdfDerivatives
+from drillpetsc.solvers.time.derivatives.beside_systems import Beside, BesideSystems
+from drillpetsc.solvers.time.derivatives.event_derivatives import EventDerivatives
+from drillpetsc.solvers.time.derivatives.formula_derivatives import AlphaDerivatives, BdfDerivatives
+from drillpetsc.solvers.time.derivatives.given_motion import GivenCall, GivenMotion
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
-from drillpetsc.solvers.time.given_motion import GivenCall, GivenMotion
 from drillpetsc.solvers.time.newton import CondensedNewton
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
