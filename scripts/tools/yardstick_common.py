@@ -75,7 +75,7 @@ def rig_figures(time: np.ndarray, speed: np.ndarray) -> Found:
 
 
 def answer_with(solvers: dict[str, Any], names: list[str]) -> dict[str, Found]:
-    """dict[str, Found] of a program: a function a problem; one that fails is told in a note and leaves its quantities open."""
+    """Answers of a program: a function a problem; one that fails is told in a note and leaves its quantities open."""
     answers: dict[str, Found] = {}
     for name in names:
         start = time.perf_counter()

@@ -57,7 +57,8 @@ def test_conversion_leaves_no_noise_in_the_last_digit() -> None:
 @each_row(
     ("text", "unit", "hint"),
     [
-        ("5 1/s", "rad/s", "rpm or rad/s"), ("80 rpm", "1/s", "rotation speed"), ("10 kN", "N m", "force"),
+        ("5 Hz", "rad/s", "rpm or rad/s"), ("5 1/s", "rad/s", "rpm or rad/s"), ("10 kN", "N m", "force"),
+        ("80 rpm", "1/s", "rotation speed"), ("80 rpm", "m", "rotation speed"),
         ("12 ppgg", "kg/m^3", "did you mean 'ppg'?"), ("9,5 in", "m", "point"), ("9 5 in", "m", "one number"),
         ("9 5/0 in", "m", ""), ("5 m + 3 m", "m", "one number"), ("5 __import__('os')", "m", "one number"),
         ("m", "m", "a number comes first"), ("", "m", "a number comes first"),

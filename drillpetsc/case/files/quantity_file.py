@@ -94,6 +94,8 @@ class QuantityFile:
                 want = f"each of {', '.join(self.columns)} once"
                 raise CaseError(at=key, want=want, file=path, line=line)
             unit = match.group(2) or self.columns[key].implied.get(word, "")
+            if unit == "-" and not self.columns[key].unit:  # pure numbers, as tables of results have them
+                unit = ""
             if not unit and not self.bare and self.columns[key].unit:
                 want = f"a unit in brackets: {self.example}"
                 raise CaseError(at=key, got=title, want=want, file=path, line=line)
