@@ -75,7 +75,9 @@ def test_corrosive_mud_takes_four_tenths_of_the_dogleg(case: dp.Case, table: dic
 
 def test_a_curve_of_points(tmp_path: Path) -> None:
     """Straight in logarithms: 1e5 cycles at 200 MPa and 1e7 at 20 MPa are 1e6 at sqrt(200 20) MPa."""
-    (tmp_path / "sn.csv").write_text("# welds\ncycles [-], stress [ksi]\n1e5, 29.00754754\n1e7, 2.900754754\n")
+    (tmp_path / "sn.csv").write_text(
+        "# welds\ncycles [-], stress [ksi]\n1e5, 29.00754754\n1e7, 2.900754754\n"
+    )
     curve = read_sn(str(tmp_path / "sn.csv"))
     found = curve.cycles_at(np.array([200.0, math.sqrt(4000.0), 20.0, 2.0, 0.0, 201.0]) * MPA)
     assert found[:4] == pytest.approx([1e5, 1e6, 1e7, 1e9], rel=1e-6)

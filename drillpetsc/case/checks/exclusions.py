@@ -120,13 +120,13 @@ def _hermite(case: CaseBlocks, fluid: Fluid) -> Iterable[Row]:
     losses = any(item.pressure_loss is not None for item in case.string)
     grows = "hermite needs a hole of constant size; formulation: mixed lets the hole grow"
     branches = "only formulation: mixed has branches of the flow"
+    tools = "motors, agitators, jars and other telescoping tools have a joint"
     for given, want, hint in (
         (case.formation is not None, "mixed with a formation", grows),
         (fluid.added_mass == "eccentric", "mixed with added_mass: eccentric", ""),
         (fluid.annulus_rheology is not None, "formulation mixed with an annulus_rheology", ""),
         (losses, "formulation mixed with a pressure_loss of a string item", ""),
         (bool(case.side_nozzles), "mixed with nozzles above the bit", branches),
-        (bool(case.all_joints), "formulation mixed in a case with joints", ""),
-        (any(isinstance(item, AgitatorTool) for item in case.string), "mixed with an agitator", ""),
+        (bool(case.all_joints), "formulation mixed in a case with joints", "" if case.joints else tools),
     ):
         yield given, ("fluid", "formulation"), "hermite", want, hint

@@ -110,6 +110,13 @@ def test_refused(joints: list[dict[str, Any]], keys: dict[str, Any], at: str, wa
     assert caught.value.at == at and want in caught.value.want
 
 
+def test_a_tool_is_named_as_the_joint_that_hermite_refuses() -> None:
+    sub = {"kind": "shock_sub", "length": 2, "joint_at": 0.5, "od": 0.127, "id": 0.1, "stiffness": 6e5}
+    with pytest.raises(CaseError) as caught:
+        make_case([], string=[PIPE, sub, PIPE], fluid={**MUD, "formulation": "hermite"})
+    assert "case with joints" in caught.value.want and "tools have a joint" in caught.value.hint
+
+
 def test_mesh_around_joints() -> None:
     """Two nodes at one depth with nothing between; ratios only between rigid items and the element below
     them; a slope that no element holds where a rigid item hangs between joints or below the last."""
