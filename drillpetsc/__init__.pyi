@@ -2427,7 +2427,7 @@ class SurveyError(PythonBlock):
     """Error of a survey that changes smoothly along the hole.
 
     inclination: standard deviation of the inclination [rad]
-    lateral: standard deviation of the direction across it [rad]: the azimuth's times the sine of the inclination
+    lateral: standard deviation of the direction across it [rad]: the sine of the inclination times the standard deviation of the azimuth
     length: length over which errors are alike, usually 100 to 300 m [m]
     """
     def __init__(

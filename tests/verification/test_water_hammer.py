@@ -201,6 +201,22 @@ def test_wave_speed_of_the_annulus(wall: str):
     assert p[plateau, -1] == pytest.approx(2e4, rel=5e-3)
 
 
+def test_reflection_at_an_open_end():
+    """Pump started by half a cosine over .3 L/c, lower end open: rho c dq/A at the pump until 2L/c, the
+    opposite until 4L/c, again until 6L/c; the flow at the open end is doubled from L/c to 3L/c, and zero
+    until 5L/c. 1 % in the middle of each plateau (manual: verif-wave-reflections)."""
+    T, L = 0.3 * LENGTH / SPEED, LENGTH / SPEED
+    model = bore({**STIFF, "flow_rate": {"ramp": T, "value": SMALL}}, 100)
+    t, p, q = history(model, 6 * L, 2e-3)
+    step = DENSITY * SPEED * SMALL / BORE
+    for k, sign in enumerate((1, -1, 1)):
+        middle = (t > (2 * k + 0.6) * L) & (t < (2 * k + 1.8) * L)
+        assert p[middle, 0] == pytest.approx(sign * step, rel=0.01)
+    for k, value in enumerate((2, 0)):
+        middle = (t > (2 * k + 1.6) * L) & (t < (2 * k + 2.8) * L)
+        assert q[middle, -1] / SMALL == pytest.approx(value, abs=0.01)
+
+
 # ---------------------------------------------------------------------- ends and steps
 
 

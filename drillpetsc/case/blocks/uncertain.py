@@ -24,7 +24,7 @@ class SurveyError(Block):
         description="standard deviation of the inclination"
     )
     lateral: Annotated[float, Quantity("rad", at_least=0, at_most=0.2)] = Field(
-        description="standard deviation of the direction across it: the azimuth's times the sine of the inclination"
+        description="standard deviation of the direction across it: the sine of the inclination times the standard deviation of the azimuth"
     )
     length: Annotated[float, Quantity("m", above=0, at_most=50e3)] = Field(
         default=300.0, description="length over which errors are alike, usually 100 to 300 m"
