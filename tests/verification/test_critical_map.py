@@ -71,5 +71,5 @@ def test_body_between_two_points_of_the_wall(tmp_path):
 
 def test_a_string_without_a_wall_is_refused(tmp_path: Path):
     with pytest.raises(CaseError) as caught:
-        drillpetsc.campbell(Case(**m.rotor()), tmp_path, speeds="10,20 rpm", stiffness="1e6 Pa")
+        drillpetsc.campbell(Case(**m.rotor()), tmp_path / "no", speeds="10,20 rpm", stiffness="1e6 Pa")
     assert caught.value.at == "--stiffness"

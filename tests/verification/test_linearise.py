@@ -259,7 +259,7 @@ def test_files_and_wrong_input(tmp_path):
     dry = {k: v for k, v in MUD.items() if k != "fluid"}
     quasi = Case(**dry, time={"end": 1.0, "mode": "quasi_static"})
     with pytest.raises(CaseError, match="inertia"):
-        drillpetsc.linearise(quasi, ["top.rotation"], ["bit_speed"], tmp_path / "w")
+        drillpetsc.linearise(quasi, ["top.rotation"], ["bit_speed"], tmp_path / "q")
 
 
 def test_the_root_that_decays_least_in_an_inclined_hole_is_one_of_the_modes(tmp_path):

@@ -269,7 +269,7 @@ def test_an_excitation_along_the_string(excite, what, stiffness, wave_speed, mot
 def test_wrong_places_are_refused(excite, amplitude, at, said, tmp_path):
     case = Case(**m.two_part_string() | {"string": THREE})
     with pytest.raises(CaseError) as caught:
-        drillpetsc.response(case, tmp_path, excite=excite, amplitude=amplitude, speeds="40 rpm")
+        drillpetsc.response(case, tmp_path / "no", excite=excite, amplitude=amplitude, speeds="40 rpm")
     assert caught.value.at == at and said in str(caught.value)
 
 

@@ -245,7 +245,7 @@ def test_a_growth_far_below_the_frequency_is_marginal():
     assert all(p.marginal and not p.unstable for p in small)
     assert point(1e-2, 0.2).unstable and point(3e-5, 0.0).unstable and not point(-1e-2, 0.2).unstable
     case = Case(**spring_and_bit())
-    summary = _summary(case, small, 0, None).as_dict()
+    summary = _summary(case, small, 0, None)
     assert (summary["unstable"], summary["marginal"]) == (0, 3)
     lines = _lines(case, small, [], summary)
     assert "unstable at 0 of 3 points, marginal at 3" in lines[0] and "marginal at all speeds" in lines[1]

@@ -270,7 +270,7 @@ class LateralBeam:
         """Factors of the wall's stiffness, rising to 1."""
         depth = SOFT_SHARE * float(self.clearance.min())
         softest = self.usual_force / max(float(self.wall(np.array([depth]), np.array([depth]))[0][0]), 1e-300)
-        count = int(np.ceil(-np.log(softest) / np.log(STIFFENING))) if softest < 1 else 0
+        count = int(np.ceil(-np.log(softest) / np.log(STIFFENING))) if 0 < softest < 1 else 0
         return list(np.geomspace(softest, 1.0, count + 1)) if count else [1.0]
 
     def size(self, p: FloatArray) -> float:
