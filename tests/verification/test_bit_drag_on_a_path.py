@@ -34,7 +34,7 @@ def test_a_coiled_string_slides_with_the_drag_of_its_bit():
         initial={"from": "statics", "wob": 150e3},
     )  # fmt: skip
     model = build_model(case)
-    state = find_equilibrium(model, MOTIONS["lower"])
+    state = find_equilibrium(model, MOTIONS["lower"], path="sliding")
     assert state.path is not None
     side = static_summary(model, state)["rigid_items"][-1]["contact_force_sum [N]"]
     assert FRICTION * side > 1500.0

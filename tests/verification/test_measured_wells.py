@@ -303,11 +303,16 @@ def test_rig_parameters_are_fitted() -> None:
 
 
 def test_rig_law_by_the_run_itself() -> None:
-    """0.7 s tell the bit law, which the balances of torque found without a run; they do not tell inertia from stiffness."""
+    """0.7 s do not tell the stiffness; what they tell are the values that the balances of torque found without a run.
+
+    It looks like the inertia or like the speed of the bit law: correlations of 0.98 to 0.995, of which the larger one is named.
+    """
     initialise_petsc()
     work, found = measured_rig.fit_by_run(measured_rig.read_record(record(measured_rig.NAME)))
-    assert set(found.reasons) == set(measured_rig.RUN_PARAMETERS[:2])
-    for name in measured_rig.RUN_PARAMETERS[2:]:
+    assert "string[0].torsional_stiffness" in found.reasons and len(found.reasons) == 2
+    told = [name for name in measured_rig.RUN_PARAMETERS if name not in found.reasons]
+    assert "formation.bit_law.static" in told
+    for name in told:
         i = found.parameters.index(name)
         assert abs(found.value[i] - work.default(name)) <= found.interval[i]
 
