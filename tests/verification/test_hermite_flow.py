@@ -427,3 +427,24 @@ def test_a_free_end_that_stretch_and_lowering_bring_below_its_hole_keeps_its_buo
     summary = run_of_case(case, tmp_path / "lowered").summary
     assert summary["final"]["bit_depth [m]"] > length + 1.2
     assert summary["final"]["hook_load [N]"] == pytest.approx(weight, rel=5e-3)
+
+
+def test_pressure_on_a_ledge_of_the_hole_is_named(tmp_path):
+    """In `hermite` the hole goes along with the string: p pi/4 (0.3^2 - 0.2159^2) at 400 m is 160.6 kN too much, which is said.
+
+    `mixed` has the weight in mud of the pipe, and says nothing.
+    """
+    well = simple_well([0.0, 900.0], 0.2159, [0.0, 0.0], friction=0.3)
+    well["sections"] = [{"to": 400.0, "kind": "casing", "diameter": 0.3, "friction": 0.3}, *well["sections"]]
+    load, said = {}, {}
+    for formulation in BOTH:
+        mud = {"density": 1200, "rheology": WATER, "flow_rate": 0.0, "formulation": formulation}
+        case = Case(string=[pipe(850.0, 10.0)], well=well, top="clamped", bottom="free", fluid=mud)
+        found = statics(case, tmp_path / formulation).summary
+        load[formulation] = found["hook_load"]
+        said[formulation] = [w for w in found["warnings"] if "changes its diameter" in w]
+    ledge = 1200 * 9.81 * 400 * np.pi / 4 * (0.3**2 - 0.2159**2)
+    buoyed = (7850 - 1200) * 9.81 * 850 * np.pi / 4 * (0.127**2 - 0.1086**2)
+    assert load["mixed"] == pytest.approx(buoyed, rel=2e-3) and not said["mixed"]
+    assert load["hermite"] - load["mixed"] == pytest.approx(ledge, rel=0.01)
+    assert f"{ledge / 1000:.0f}" in said["hermite"][0] and "downward" in said["hermite"][0]
