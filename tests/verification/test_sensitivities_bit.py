@@ -13,7 +13,7 @@ from drillpetsc.analysis.sensitivities.motion.run_of_case import RunSeries
 from drillpetsc.case import Case
 from drillpetsc.parallel import initialise_petsc
 from tests.helpers.wells import simple_well
-from tests.verification.test_sensitivities_mud import CURVED, INTEGRATORS, hanging
+from tests.verification.test_sensitivities_mud import CURVED, INTEGRATORS, gaps, hanging
 from tests.verification.test_sensitivities_run import rock_bit, series_of
 
 RADIUS, TURNING = 0.108, 4 * np.pi
@@ -227,17 +227,7 @@ def test_drilling_in_mud(integrator):
     run = series_of(case, names, columns)
     assert run.flags == [""] * 4
     for k, key in enumerate(key_of(case, n) for n in names):
-        own, full = run.slopes[:, :, k] * key.size, []
-        for step in (1e-3, 3e-4, 1e-4):
-            low, high = (
-                series_of(
-                    key.changed(case, key.value + sign * step * key.size), [], columns, run.steps
-                ).values
-                for sign in (-1, 1)
-            )
-            full.append((high - low) / (2 * step))
-        best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
-        sizes, values = np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
+        best, sizes, values = gaps(case, key, columns, run, run.slopes[:, :, k])
         # the weight on bit is read from positions of 400 m, which are rounded
         assert (best < 5e-4 * sizes + [2e-5, 2e-5, 2e-5, 2e-4, 2e-4] * values).all(), (
             key.name,

@@ -9,9 +9,10 @@ import pytest
 from petsc4py import PETSc
 
 from drillpetsc.analysis.sensitivities.command import Question, run_sensitivities
-from drillpetsc.analysis.sensitivities.keys import key_of
+from drillpetsc.analysis.sensitivities.keys import Key, key_of
 from drillpetsc.analysis.sensitivities.motion.outputs import parsed_outputs
-from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase
+from drillpetsc.analysis.sensitivities.motion.run_of_case import RunOfCase, RunSeries
+from drillpetsc.arrays import FloatArray
 from drillpetsc.case import Case
 from drillpetsc.errors import CaseError
 from drillpetsc.output.job import Job
@@ -135,6 +136,21 @@ def test_weight_of_mud(integrator):
     assert not found.slopes[:, 0, 2].any() and not found.slopes[:, 1].any()
 
 
+def gaps(
+    case: Case, key: Key, columns: list[str], run: RunSeries, slopes: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Smallest gap of p ds/dp to differences of runs with the same steps, largest size of it and of the column, each by column."""
+    own, full = slopes * key.size, []
+    for step in (1e-3, 3e-4, 1e-4):
+        low, high = (
+            series_of(key.changed(case, key.value + sign * step * key.size), [], columns, run.steps).values
+            for sign in (-1, 1)
+        )
+        full.append((high - low) / (2 * step))
+    best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
+    return best, np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
+
+
 @INTEGRATORS
 @pytest.mark.parametrize("hole", ["vertical", "curved"])
 def test_string_in_mud_with_frozen_steps(hole, integrator):
@@ -157,17 +173,7 @@ def test_string_in_mud_with_frozen_steps(hole, integrator):
     run = series_of(case, names, columns)
     assert run.flags == [""] * len(names)
     for k, key in enumerate(key_of(case, n) for n in names):
-        own, full = run.slopes[:, :, k] * key.size, []
-        for step in (1e-3, 3e-4, 1e-4):
-            low, high = (
-                series_of(
-                    key.changed(case, key.value + sign * step * key.size), [], columns, run.steps
-                ).values
-                for sign in (-1, 1)
-            )
-            full.append((high - low) / (2 * step))
-        best = np.min([np.abs(own - q).max(axis=0) for q in full], axis=0)
-        sizes, values = np.abs(own).max(axis=0), np.abs(run.values).max(axis=0)
+        best, sizes, values = gaps(case, key, columns, run, run.slopes[:, :, k])
         # static starts of changed cases converge to 1e-10, which leaves a few 1e-6 of a column in differences
         assert (best < 5e-4 * sizes + 2e-5 * values).all(), (key.name, best / sizes, best / values)
         coupled = sizes > 0.05 * values
