@@ -225,3 +225,16 @@ def test_mud_at_rest_has_a_word(rheology: dict[str, object], told: bool, tmp_pat
     run_sensitivities(Job(case, tmp_path / "out"), question)
     notes = json.loads((tmp_path / "out" / "summary.json").read_text())["notes"]
     assert any("mud is at rest" in note and "shear_rate" in note for note in notes) is told
+
+
+@INTEGRATORS
+def test_survey_keys_with_generalised_alpha_say_how_right_they_are(integrator, tmp_path):
+    """Renewed holes leave 2e-3 with generalised-alpha (above); a key of the mud has nothing to say."""
+    case = hanging(integrator, **CURVED, time={"end": 0.02, "integrator": integrator})
+    said = {}
+    for key in ("well.survey.inclination[2]", "fluid.density"):
+        run_sensitivities(Job(case, tmp_path / key), Question("run", ["hook_load.mean"], [key]))
+        said[key] = json.loads((tmp_path / key / "summary.json").read_text())["warnings"]
+    assert not any("moves along the hole" in w for w in said["fluid.density"])
+    found = [w for w in said["well.survey.inclination[2]"] if "moves along the hole" in w]
+    assert len(found) == (integrator == "generalized_alpha")

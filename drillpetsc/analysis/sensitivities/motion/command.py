@@ -11,7 +11,14 @@ from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.session.live_outputs import SessionOutput
 from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative
-from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated, Followed, Stepped, Unchecked
+from drillpetsc.analysis.sensitivities.doubts import (
+    Checked,
+    Differentiated,
+    Followed,
+    HoleRenewed,
+    Stepped,
+    Unchecked,
+)
 from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
@@ -29,6 +36,7 @@ from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVIT
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.solvers import petsc_options as options
+from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 
 USUAL = ("surface_torque.mean", "hook_load.mean")
@@ -83,7 +91,15 @@ def run_sensitivities_of_run(
     if repeated.seconds:
         cost |= {"alone": repeated.seconds, "ratio": series.seconds / repeated.seconds}
     stepped = [Stepped(case, name, *worst) for name, worst in moved.items()]
-    moments = [*followed, *stepped, *compared, Unchecked(case, repeated.unchecked)]
+    renews = case.fluid is not None and isinstance(run.integrator, GeneralizedAlpha)
+    surveyed = [key.name for key in series.keys if renews and key.name.startswith("well.survey")]
+    moments = [
+        *followed,
+        *stepped,
+        *compared,
+        Unchecked(case, repeated.unchecked),
+        HoleRenewed(case, surveyed),
+    ]
     one_sided = any(ONE_SIDED in d.flag for d in found)
     rows = [row_of(d) for d in found]
     summary = {
