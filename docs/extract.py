@@ -38,13 +38,21 @@ def blocks(page: str | Path, kind: str) -> list[str]:
     return [match["text"] for match in FENCE.finditer(text) if match["kind"] == kind]
 
 
-def commands(page: str | Path) -> list[str]:
-    """Commands of a page in order, continuation lines joined: `drillpetsc run case.yaml --out first`."""
-    found = []
+def shown(page: str | Path) -> list[tuple[str, list[str]]]:
+    """Commands of a page in order, continuation lines joined, each with the lines of output that the page shows below it."""
+    found: list[tuple[str, list[str]]] = []
     for block in blocks(page, "console"):
-        lines = re.sub(r"\\\n\s*", " ", block).splitlines()
-        found += [line[2:].strip() for line in lines if line.startswith("$ ")]
+        for line in re.sub(r"\\\n\s*", " ", block).splitlines():
+            if line.startswith("$ "):
+                found.append((line[2:].strip(), []))
+            elif line.strip() and found:
+                found[-1][1].append(line)
     return found
+
+
+def commands(page: str | Path) -> list[str]:
+    """Commands of a page in order: `drillpetsc run case.yaml --out first`."""
+    return [command for command, _ in shown(page)]
 
 
 def cases(page: str | Path) -> dict[str, str]:

@@ -7,13 +7,13 @@ import numpy as np
 
 def weakening(state, static=10e3, dynamic=5e3, speed=0.02):
     """The built-in velocity weakening, with its derivatives (manual: eq-bit-torque-weakening)."""
-    size, rest = np.abs(state.speed), speed / 100
-    u, q = np.clip(state.speed / rest, -1, 1), np.maximum(size - rest, 0) / speed
+    rest = speed / 100
+    u, q = np.clip(state.speed / rest, -1, 1), state.speed / speed
     fall = dynamic + (static - dynamic) * np.exp(-(q**2))
-    rising = fall * (15 - 30 * u**2 + 15 * u**4) / (8 * rest)
-    slope = np.where(size < rest, rising, -2 * q * (fall - dynamic) / speed)
+    sign, rising = u * (15 - 10 * u**2 + 3 * u**4) / 8, 15 * (1 - u**2) ** 2 / 8 / rest
+    slope = fall * rising - sign * 2 * q * (fall - dynamic) / speed
     others = {f"torque_by_{name}": 0.0 for name in ("weight", "angle", "advance", "depth")}
-    return {"torque": fall * u * (15 - 10 * u**2 + 3 * u**4) / 8, "torque_by_speed": slope} | others
+    return {"torque": fall * sign, "torque_by_speed": slope} | others
 
 
 def weakening_alone(state, static=10e3, dynamic=5e3, speed=0.02):

@@ -109,7 +109,7 @@ def test_a_changed_source_is_built_anew(tmp_path):
     assert build_plug_in(tmp_path) == first
     (tmp_path / "weakening.cpp").write_text(source.replace("DP_BIT_LAW", "DP_BIT_LAW") + "// changed\n")
     assert build_plug_in(tmp_path) != first
-    (tmp_path / "weakening.cpp").write_text(source.replace("* (p[STATIC] / 8)", "* (p[STATC] / 8)"))
+    (tmp_path / "weakening.cpp").write_text(source.replace("+ (p[STATIC]", "+ (p[STATC]"))
     with pytest.raises(RuntimeError, match="STATC"):
         build_plug_in(tmp_path)
 

@@ -55,15 +55,12 @@ def rotation(t: float) -> float:
 
 
 def friction(speed: float) -> tuple[float, float]:
-    """Torque on bit and its slope: rises to the static torque at a hundredth of the weakening's speed, then
-    falls (manual: eq-bit-torque-weakening)."""
-    loose = WEAKENING / 100
-    u = speed / loose
-    if abs(u) < 1:
-        return STATIC * u * (15 - 10 * u**2 + 3 * u**4) / 8, STATIC * 15 * (1 - u**2) ** 2 / 8 / loose
-    q = (abs(speed) - loose) / WEAKENING
+    """Torque on bit and its slope (manual: eq-bit-torque-weakening)."""
+    loose, q = WEAKENING / 100, speed / WEAKENING
+    u = np.clip(speed / loose, -1, 1)
+    sign, rising = u * (15 - 10 * u**2 + 3 * u**4) / 8, 15 * (1 - u**2) ** 2 / 8 / loose
     fall = (STATIC - DYNAMIC) * np.exp(-(q**2))
-    return np.sign(speed) * (DYNAMIC + fall), -2 * q / WEAKENING * fall
+    return sign * (DYNAMIC + fall), rising * (DYNAMIC + fall) - sign * 2 * q / WEAKENING * fall
 
 
 def characteristics(end: float, cells: int = 200) -> tuple[np.ndarray, np.ndarray]:

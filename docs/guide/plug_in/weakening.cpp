@@ -8,15 +8,11 @@ struct Weakening {
 
     template <class T>
     static void results(const T* state, const double* p, T* result) {
-        const T omega = state[OwnBit::SPEED];
-        const double rest = p[SPEED] / 100, way = val(omega) > 0 ? 1.0 : -1.0;
-        if (val(omega) * way < rest) {  // rises smoothly to the static torque
-            const T u = omega / rest, u2 = u * u;
-            result[OwnBit::TORQUE] = u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * (p[STATIC] / 8);
-            return;
-        }
-        const T q = (omega * way - rest) / p[SPEED];
-        result[OwnBit::TORQUE] = (p[DYNAMIC] + (p[STATIC] - p[DYNAMIC]) * exp(-(q * q))) * way;
+        const T omega = state[OwnBit::SPEED], q = omega * (1.0 / p[SPEED]), u = q * 100.0, u2 = u * u;
+        const T torque = p[DYNAMIC] + (p[STATIC] - p[DYNAMIC]) * exp(-(q * q));
+        // its sign is rounded below a hundredth of the speed
+        if (val(u2) < 1) result[OwnBit::TORQUE] = torque * u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * 0.125;
+        else result[OwnBit::TORQUE] = torque * (val(omega) > 0 ? 1.0 : -1.0);
     }
 };
 

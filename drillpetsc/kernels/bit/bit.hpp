@@ -373,14 +373,19 @@ struct Bit {
 
     static double direction(const double* p) { return (p[SPIN] > 0) - (p[SPIN] < 0); }
 
-    // torque or lever arm: rises to the static value at turn_rounding, then falls to the dynamic one; C2 up to the fall's second derivative
+    // torque or lever arm of a bit that turns, at a speed of either sign
+    template <class T>
+    static T fall(const BitLaw& law, const T& omega) {
+        const T q = omega * (1.0 / law.speed);
+        return law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q));
+    }
+
+    // the same with its sign, which is rounded below turn_rounding only (C2): a smooth sign over all speeds would lower the torque that a bit sticks with
     template <class T>
     static T weakening(const BitLaw& law, const T& omega) {
         const T u = omega * (1.0 / law.turn_rounding), u2 = u * u;
-        if (val(u2) < 1) return u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * (law.static_torque / 8);
-        const double way = val(omega) > 0 ? 1.0 : -1.0;
-        const T q = (omega * way - law.turn_rounding) * (1.0 / law.speed);
-        return (law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q))) * way;
+        if (val(u2) < 1) return fall(law, omega) * u * (15.0 - 10.0 * u2 + 3.0 * u2 * u2) * 0.125;
+        return fall(law, omega) * (val(omega) > 0 ? 1.0 : -1.0);
     }
 
     // without a profile: linear in the weight, of which the body of a drag bit carries what the cutters cannot
@@ -395,9 +400,8 @@ struct Bit {
     template <class T>
     static void bottom_torque(const BitLaw& law, const double* p, const T& weight, const T& strength, const T& depth, const T& omega, const T& sign, T& size, T& torque) {
         if (law.kind == BitKind::VELOCITY_WEAKENING) {
-            const T load = law.by_weight != 0 ? weight : touching(depth), beyond = sqrt(omega * omega) - law.turn_rounding;
-            const T q = val(beyond) > 0 ? beyond * (1.0 / law.speed) : T(0.0);
-            size = load * (law.dynamic_torque + (law.static_torque - law.dynamic_torque) * exp(-(q * q)));
+            const T load = law.by_weight != 0 ? weight : touching(depth);
+            size = load * fall(law, omega);
             torque = load * weakening(law, omega);
             return;
         }

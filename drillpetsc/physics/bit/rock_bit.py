@@ -304,8 +304,8 @@ class RockBit(Bit):
         """
         if not isinstance(self.law, Weakening):
             return self._torque
-        beyond = max(abs(spin) - self._made.turn_rounding, 0.0) / self.law.speed
-        size = self.law.dynamic + (self.law.static - self.law.dynamic) * float(np.exp(-(beyond**2)))
+        fall = float(np.exp(-((spin / self.law.speed) ** 2)))
+        size = self.law.dynamic + (self.law.static - self.law.dynamic) * fall
         return (0.0, size) if self.law.by_weight else (size, 0.0)
 
     def torque_for(self, weight: float, spin: float) -> float:
