@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -47,6 +48,25 @@ def shorter(text: str) -> str:
     return text
 
 
+NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
+
+
+def words(line: str) -> str:
+    """A line of output with `#` for its numbers, which depend on the machine or on how long a motion is cut."""
+    return " ".join(NUMBER.sub("#", line).split())
+
+
+def not_printed(lines: list[str], output: str) -> list[str]:
+    """The shown lines, with `...` for what is left out, whose words are not in the output of their command."""
+    printed = {words(line) for line in output.splitlines()}
+    return [
+        line
+        for line in lines
+        if not any(re.fullmatch(re.escape(words(line)).replace(r"\.\.\.", ".*"), text) for text in printed)
+        and line.strip() != "..."
+    ]
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A folder with `cases/` of the project."""
@@ -67,7 +87,7 @@ def test_commands_of_the_manual_run(name: str, folder: Path, monkeypatch: pytest
     for file, text in extract.cases(page).items():
         (folder / file).write_text(shorter(text))
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    for command in extract.commands(page):
+    for command, lines in extract.shown(page):
         if command.startswith(("scripts/", "sudo", "apt", "git", "pip", "cd ")):
             continue  # set-up, which scripts/test itself has done
         line = shorter(command).removeprefix("drillpetsc ")
@@ -82,6 +102,13 @@ def test_commands_of_the_manual_run(name: str, folder: Path, monkeypatch: pytest
         else:
             done = drillpetsc(line, cwd=folder)
         assert done.returncode == 0, f"{command}\n{done.stdout[-2000:]}\n{done.stderr[-3000:]}"
+        assert not not_printed(lines, done.stdout + done.stderr), command
+
+
+def test_a_line_that_a_command_does_not_print_is_found() -> None:
+    output = "  hook load   12.5 kN\n  stable; 8 Newton iterations, residual 1e-5 N\n"
+    assert not not_printed(["  hook load   -3e-2 kN", "...", "  stable; 7 Newton ..."], output)
+    assert not_printed(["  hook load  12.5 klbf"], output) == ["  hook load  12.5 klbf"]
 
 
 EXTRA = "# needs drillpetsc[notebook]"  # first line of blocks that use xarray or pandas

@@ -232,5 +232,7 @@ def test_the_weakening_torque_reaches_its_static_value(contact, dynamic):
     assert 10e3 - 1.01e-4 * (10e3 - dynamic) < torques.max() <= 10e3
     assert torque(-near[torques.argmax()]) == pytest.approx(-torques.max(), rel=1e-12)
     for speed in (0.0201, 1.0, 4.0):
-        assert torque(speed) == pytest.approx(dynamic + (10e3 - dynamic) * np.exp(-((speed / 2) ** 2)), rel=1e-12)
+        assert torque(speed) == pytest.approx(
+            dynamic + (10e3 - dynamic) * np.exp(-((speed / 2) ** 2)), rel=1e-12
+        )
     assert bit.torque_for(5e3, 4.0) == pytest.approx(torque(4.0), rel=1e-12)  # not that of reference_speed
