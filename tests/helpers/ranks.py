@@ -13,8 +13,6 @@ from tests.helpers.command import ROOT, drillpetsc
 from tests.helpers.mpi import run_mpi
 
 SCRIPT = Path(__file__).parents[1] / "parallel" / "run_cases.py"
-#: PETSc's options of steps that do not hang on the rounding of an estimated error, and of Newton's method to rounding
-FIXED = ["-ts_adapt_type", "none", "-ts_dt", "5e-4", "-q_snes_stol", "1e-12"]
 OTHERWISE = ("energy_error", "newton", "step")  # columns about the computation, not about the string
 
 

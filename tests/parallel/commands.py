@@ -238,7 +238,7 @@ def from_a_buckled_start(folder: Path) -> None:
 
 
 STATICS = {
-    "sliding path": Row("statics|--path|sliding|--motion|lower", LEVEL, same_path, shows=buckled),
+    "sliding path": Row("statics|--path|sliding|--motion|lower", LEVEL, same_path, (3,), buckled),
     "path of slacking off": Row("statics|--path|slack_off|--motion|lower", LEVEL, same_path, (2,), buckled),
     "turning path": Row(
         "statics|--path|sliding|--motion|rotate", LEVEL.replace("80 m", "40 m"), same_path, (3,), buckled
@@ -440,11 +440,11 @@ SENSITIVITIES = {
         "|--of|pump_pressure.mean,bit_pressure.max,surface_torque.mean,hook_load.mean",
         IN_MUD,
         same_derivatives,
-        (2, 3),
+        (3,),
     ),
     # a number of samples that the ranks do not divide
     "uncertain": Row(
-        "uncertain|--samples|25",
+        "uncertain|--samples|10",
         LIMITS + uncertain.ROADMAP + "uncertain:\n" + uncertain.FRICTION + uncertain.DENSITY + PATH_OF_SURVEY,
         same_samples,
         (3,),

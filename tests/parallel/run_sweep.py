@@ -1,4 +1,4 @@
-"""A job of several members on several ranks, with intended faults: run_sweep.py WHAT WORDS...
+"""Commands of several members in turn in one job, with intended faults: run_sweep.py LINES, a JSON file of lists WHAT, WORDS...
 
 plain: the command line unchanged.
 sleep: members only sleep, so that the work of each rank does not depend on the machine.
@@ -7,8 +7,10 @@ lost: in worker groups of several ranks the last rank leaves the computation whi
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from pathlib import Path
 
 import petsc4py
 
@@ -18,7 +20,6 @@ import drillpetsc.studies.sweep.sweep as sweep_module  # noqa: E402
 from drillpetsc.cli import main  # noqa: E402
 from drillpetsc.studies.sweep import worker_groups  # noqa: E402
 
-what, *words = sys.argv[1:]
 real = sweep_module.run
 
 
@@ -38,7 +39,8 @@ def lost(case, out, **keywords) -> None:
 
 worker_groups.RANK_TIMEOUT = 2.0
 worker_groups.LEAST_ELEMENTS = 40  # short strings get two ranks
-sweep_module.run = {"plain": real, "sleep": sleep, "lost": lost}[what]  # type: ignore[assignment]
-status = main(words)
-if petsc4py.PETSc.COMM_WORLD.rank == 0:
-    print("exit status", status)
+for what, *words in json.loads(Path(sys.argv[1]).read_text()):
+    sweep_module.run = {"plain": real, "sleep": sleep, "lost": lost}[what]  # type: ignore[assignment]
+    status = main(words)
+    if petsc4py.PETSc.COMM_WORLD.rank == 0:
+        print("exit status", status)

@@ -120,15 +120,15 @@ def test_mud_past_rigid_items(tmp_path, formulation, rock):
 
 
 def test_quasi_static_drilling(tmp_path):
-    """20 minutes of drilling, 2.4 m of new hole: depth to 0.1 mm, forces to 1 %; the bend averages out in both."""
+    """10 minutes of drilling, 1.2 m of new hole: depth to 0.1 mm, forces to 1 %; the bend averages out in both."""
     tables = histories(
         tmp_path,
         top={"kind": "top_drive", "rotation": 10.0, "lowering": 0.002},
         formation=ROCK,
-        time={"end": 1200, "mode": "quasi_static"},
-        output={"history_every": 200, "probes": [55.0]},
+        time={"end": 600, "mode": "quasi_static"},
+        output={"history_every": 100, "probes": [55.0]},
     )
-    assert tables[0]["hole_depth [m]"][-1] > 63.2
+    assert tables[0]["hole_depth [m]"][-1] > 62.0
     assert_same(tables, {k: v for k, v in SCALES.items() if "_30" not in k and "y_" not in k}, 0.01)
     assert_same(tables, {"hole_depth [m]": 1e-2, "y_55 [m]": 1e-2}, 0.01)
 

@@ -92,7 +92,7 @@ def test_nothing_is_said_where_nothing_would_roll_fast(keys):
 def test_default_steps_keep_what_may_whirl(tmp_path):
     """The default integrator of a turning string limits its steps by the stabilizer that lies on the wall, and says so; BDF with
     its own steps says that they do not determine the result."""
-    keys = {"time": {"end": 0.3}, "initial": {"from": "statics"}}
+    keys = {"time": {"end": 0.15}, "initial": {"from": "statics"}}
     result = run(case(**keys), out=tmp_path / "auto").summary
     assert result["petsc_options"]["ts_type"] == "alpha2"
     assert not [w for w in result["warnings"] if "roll along" in w]
