@@ -68,7 +68,7 @@ def _main(words: list[str] | None) -> int:
         own[:2] = ["import-log"]
     try:
         _refuse_old(own)
-        arguments, unknown = parser().parse_known_args(own)
+        arguments, unknown = parser(own).parse_known_args(own)
         operation = next(q for q in operations.OPERATIONS if q.command() == arguments.command)
         if unknown:
             raise _unknown_option(unknown[0])
@@ -90,8 +90,11 @@ def _main(words: list[str] | None) -> int:
         return report_error(SolveError(f"PETSc failed: {reason_of(error)}", hint="check the PETSc options"))
 
 
-def parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
+def parser(wanted: list[str] | None = None) -> argparse.ArgumentParser:
+    """The parser of all commands.
+
+    wanted: commands whose options are needed; the others get none, which saves most of the time. None: all.
+    """
     whole = argparse.ArgumentParser(
         prog="drillpetsc", description="Drillstring dynamics on PETSc.", **_PARSER_STYLE
     )
@@ -104,7 +107,7 @@ def parser() -> argparse.ArgumentParser:
             description=operation.summary(),
             **(_PARSER_STYLE if operation.petsc else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
         )
-        for option in operation.options():
+        for option in operation.options() if wanted is None or operation.command() in wanted else ():
             if Mark.PYTHON not in option.marks:
                 _add_option(command, option)
     return whole

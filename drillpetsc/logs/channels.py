@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from drillpetsc.units import DIMENSIONS, UnitError, to_si
 
@@ -122,6 +123,7 @@ def folded(text: str) -> str:
     return re.sub(r"[\s_.#/\-\"':]", "", text).casefold()
 
 
+@lru_cache(maxsize=4096)
 def unit_of(text: str, si: str) -> str | None:
     """A unit as a log spells it in the spelling of `to_si`; empty for none, None for one of another dimension."""
     text = _GAUGE.sub("", text.strip().strip("[](){}")).strip()
@@ -138,6 +140,7 @@ def unit_of(text: str, si: str) -> str | None:
     return None
 
 
+@lru_cache(maxsize=4096)
 def dimension_of(text: str) -> str:
     """What a unit measures, in words, such as `a pressure`; empty for a text that is not a unit."""
     text = _GAUGE.sub("", text.strip()).strip()

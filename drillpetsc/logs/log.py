@@ -234,19 +234,25 @@ def column_numbers(sheets: list[Sheet], channel: str, cells: list[str], unit: st
     if any("," in q for q in some):
         some = _without_commas(sheets, channel, some)
     out = np.full(len(cells), np.nan)
-    for i in np.flatnonzero(~gone):
-        try:
-            out[i] = float(some[i]) if some[i].isascii() and "_" not in some[i] else np.nan
-        except ValueError:
-            pass
-        if not np.isfinite(out[i]):
-            want = f"a number in {unit}" if unit else "a number"
-            raise CaseError(at=channel, got=cells[i], want=want, **_place(sheets, int(i)))
+    here = np.flatnonzero(~gone)
+    out[here] = [_number(some[i]) for i in here.tolist()]
+    wrong = here[~np.isfinite(out[here])]
+    if len(wrong):
+        i, want = int(wrong[0]), f"a number in {unit}" if unit else "a number"
+        raise CaseError(at=channel, got=cells[i], want=want, **_place(sheets, i))
     out[np.isin(out, [*MISSING, *(float(q) for q in nulls if re.fullmatch(r"[+-]?\d+(\.\d*)?", q))])] = np.nan
     if not unit:
         return out
     zero, one = (to_si(f"{q} {unit}", CHANNELS[channel].unit) for q in (0, 1))
     return zero + (one - zero) * out
+
+
+def _number(text: str) -> float:
+    """The number of a text; nan for any other text, and for the digits and marks that Python allows but logs do not have."""
+    try:
+        return float(text) if text.isascii() and "_" not in text else np.nan
+    except ValueError:
+        return np.nan
 
 
 def _without_commas(sheets: list[Sheet], channel: str, cells: list[str]) -> list[str]:

@@ -487,10 +487,9 @@ def _lateral_coefficients(case: Case, sizes: Annulus) -> LateralCoefficients:
     inner, outer, speed = sizes.outer_diameter, sizes.hole_diameter, f.lateral_damping_speed
     viscosity = lateral_viscosity(case, inner, outer)
     if f.lateral_damping == "stokes":
-        sizes_used, where = np.unique(np.column_stack([inner, outer, viscosity]), axis=0, return_inverse=True)
-        each = np.array(
-            [lateral_damping(d, w, f.density, mu, speed) if mu > 0 else 0.0 for d, w, mu in sizes_used]
-        )
+        (d, w, mu), where = np.unique(np.array([inner, outer, viscosity]), axis=1, return_inverse=True)
+        each, viscous = np.zeros(len(mu)), mu > 0
+        each[viscous] = lateral_damping(d[viscous], w[viscous], f.density, mu[viscous], speed)
         damping = each[np.ravel(where)]
     else:
         damping = np.full(len(inner), float(f.lateral_damping))

@@ -128,7 +128,7 @@ def test_a_misspelt_option_of_a_case_is_refused_in_every_command(command, folder
 
 def test_a_misspelt_option_of_the_command_line_is_refused_without_a_run(folder):
     (folder / "still.yaml").write_text(STILL)
-    done = in_own_process("modes still.yaml --out modes -ts_rtoll 1e-3", cwd=folder)
+    done = drillpetsc("modes still.yaml --out modes -ts_rtoll 1e-3", cwd=folder)
     assert (
         done.returncode == 2 and "did you mean -ts_rtol?" in done.stderr and not (folder / "modes").exists()
     )

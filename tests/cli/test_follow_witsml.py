@@ -126,7 +126,7 @@ def store(monkeypatch) -> Iterator[Store]:
     monkeypatch.delenv(witsml_store.USER, raising=False)
     monkeypatch.setenv("NETRC", "/nonexistent")
     found = Store()
-    threading.Thread(target=found.server.serve_forever, daemon=True).start()
+    threading.Thread(target=found.server.serve_forever, args=(0.02,), daemon=True).start()
     yield found
     found.server.shutdown()
     found.server.server_close()

@@ -128,10 +128,10 @@ def test_balance_of_a_string_with_mud_closes(name, tmp_path: Path):
     """Every row of the energy error is within 1 % of the energy exchanged, and no alarm is raised."""
     data = {
         "well": WELL,
-        "string": [{"kind": "pipe", "length": 400, "od": 0.127, "id": 0.1086, "element_length": 10}],
+        "string": [{"kind": "pipe", "length": 400, "od": 0.127, "id": 0.1086, "element_length": 20}],
         "top": {"kind": "top_drive"},
         "bottom": "free",
-        "time": {"end": 2.0},
+        "time": {"end": 1.5},
         "output": {"history_every": 0.02},
     }
     if name == "held":

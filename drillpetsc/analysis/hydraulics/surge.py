@@ -115,18 +115,23 @@ class Tripping:
         """The row of a trip at a speed [m/s] before it is solved: without a steady flow."""
         return SurgeRow(operation, self.pipe, self.flow.string.depth, speed, self.pump)
 
+    def limit(self, operation: str, speed: float) -> str:
+        """Solve for a trip at a speed [m/s]; which limit of the window it passes."""
+        self._solve(f"{operation}, {speed:g} m/s", self.pump, OPERATIONS[operation] * speed)
+        return self._limited()
+
     def at(self, operation: str, speed: float) -> SurgeRow:
         """Solve for a trip at a speed [m/s].
 
         operation: trip_in or trip_out.
         """
         flow, velocity = self.flow, OPERATIONS[operation] * speed
-        self._solve(f"{operation}, {speed:g} m/s", self.pump, velocity)
+        limited_by = self.limit(operation, speed)
         annulus, side, state = flow.fluid.annulus, flow.fluid.side, flow.system.assembly
         assert annulus is not None
         return replace(
             self.row(operation, speed),
-            limited_by=self._limited(),
+            limited_by=limited_by,
             warnings=tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, velocity)))),
             bit_pressure=flow.bottom_pressure(),
             surge_pressure=flow.bottom_pressure() - self.at_rest,
@@ -143,13 +148,13 @@ class Tripping:
         """
         if self.limited_at_rest not in (WITHIN, NOT_CHECKED):
             return 0.0, f"{self.limited_at_rest}, at rest"
-        last = self.at(operation, FASTEST).limited_by
+        last = self.limit(operation, FASTEST)
         if last in (WITHIN, NOT_CHECKED):
             return FASTEST, last
         low, high = 0.0, FASTEST
         while high - low > TOLERANCE:
             middle = 0.5 * (low + high)
-            found = self.at(operation, middle).limited_by
+            found = self.limit(operation, middle)
             if found == WITHIN:
                 low = middle
             else:

@@ -106,25 +106,28 @@ def steady_resistance(ratio: ArrayLike) -> Array:
     return 4.0 / (np.log(R) - (R**2 - 1.0) / (R**2 + 1.0))
 
 
-def stokes_force(rate: complex, radius: ArrayLike, viscosity: ArrayLike, ratio: ArrayLike) -> Complex:
+def stokes_force(rate: ArrayLike, radius: ArrayLike, viscosity: ArrayLike, ratio: ArrayLike) -> Complex:
     """Compute H (n,) [-] of a cylinder that moves as exp(s t): the fluid's force per length is -rho A_o H s^2 u.
 
     Manual: eq-mud-stokes-complex.  On the imaginary axis, s = i Omega, H is C_m - i C_d of ``stokes_coefficients``.
 
-    rate: s [1/s], with Re(sqrt(s)) > 0: not on the negative real axis.
+    rate: s [1/s] of all or (n,) of each, with Re(sqrt(s)) > 0: not on the negative real axis.
     radius: (n,) R_o [m]; viscosity: (n,) kinematic [m2/s], above 0; ratio: (n,) hole over string diameter [-].
     Raises ValueError for other values.
     """
     R_o, nu, R = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (radius, viscosity, ratio)))
-    if not (np.all(nu > 0) and np.all(R > 1)) or (np.imag(rate) == 0 and np.real(rate) <= 0):
+    s = np.asarray(rate, dtype=complex)
+    if not (np.all(nu > 0) and np.all(R > 1)) or np.any((s.imag == 0) & (s.real <= 0)):
         raise ValueError(
             "stokes_force: need a viscosity above 0, a ratio above 1, and a rate off the negative axis"
         )
-    z = rate * R_o**2 / nu
+    z = s * R_o**2 / nu
     slowest = QUASI_STEADY / (R - 1.0) ** 2
     size = np.maximum(np.abs(z), 1e-300)
     slow = size < slowest
     H = _unsteady(np.sqrt(np.where(slow, z / size * slowest, z)), R)
+    if not slow.any():
+        return H
     inertia = _unsteady(np.sqrt(1j * slowest), R).real
     return np.asarray(np.where(slow, inertia + steady_resistance(R) / z, H))
 

@@ -108,12 +108,18 @@ class AlphaFormula:
         Its modulus is the amplitude's factor, its angle the phase of a step: the eigenvalue of the vibration.  The
         third one is real.
         """
-        g, b, m, f, o = self.gamma, self.beta, self.mean_mass, self.mean_force, product**2
+        return complex(self._amplifications(np.array([product]))[0])
+
+    def _amplifications(self, products: FloatArray) -> np.ndarray:
+        """(n,) factors of vibrations at ``products`` (n,)."""
+        g, b, m, f, o = self.gamma, self.beta, self.mean_mass, self.mean_force, products**2
         # unknowns x, h v, h^2 a, h^2 w = -o x; (1 - m) a1 + m a0 = (1 - f) w1 + f w0
-        left = np.array([[1.0, 0.0, -b], [0.0, 1.0, -g], [(1 - f) * o, 0.0, 1 - m]])
-        right = np.array([[1.0, 1.0, 0.5 - b], [0.0, 1.0, 1 - g], [-f * o, 0.0, -m]])
+        left, right = (np.empty((len(products), 3, 3)) for _ in range(2))
+        left[:] = [[1.0, 0.0, -b], [0.0, 1.0, -g], [0.0, 0.0, 1 - m]]
+        right[:] = [[1.0, 1.0, 0.5 - b], [0.0, 1.0, 1 - g], [0.0, 0.0, -m]]
+        left[:, 2, 0], right[:, 2, 0] = (1 - f) * o, -f * o
         values = np.linalg.eigvals(np.linalg.solve(left, right))
-        return complex(values[values.imag.argmax()])
+        return np.take_along_axis(values, values.imag.argmax(axis=1)[:, None], axis=1)[:, 0]
 
     @property
     def phase_error(self) -> float:
@@ -123,13 +129,14 @@ class AlphaFormula:
         """
         return 1 / 12 + 0.375 * ((1 - self.radius) / (1 + self.radius)) ** 2
 
+    @cached_property
     def damped_product(self) -> float | None:
         """Angular frequency times step above which a period takes more than ``LOSS`` of the amplitude.
 
         None if no frequency loses as much.
         """
         products = np.geomspace(1e-2, 1e2, 800)
-        factors = np.array([self.amplification(p) for p in products])
+        factors = self._amplifications(products)
         kept = np.abs(factors) ** (2 * np.pi / np.maximum(np.abs(np.angle(factors)), 1e-9))
         found = np.flatnonzero(kept < 1 - LOSS)
         return float(products[found[0]]) if len(found) else None

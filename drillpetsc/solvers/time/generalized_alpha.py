@@ -327,7 +327,7 @@ class GeneralizedAlpha(TimeIntegrator):
 
     def damped_product(self) -> float | None:
         """Product of that frequency and the step [-]; None at radius 1."""
-        product = self.formula.damped_product()
+        product = self.formula.damped_product
         return None if product is None else product / (2 * np.pi)
 
     # ------------------------------------------------------------------ checkpoints

@@ -177,6 +177,11 @@ def _try(arguments: tuple[Path, object]) -> bool:
     os._exit(10 if won else 11)
 
 
+def _take_and_end(folder: Path) -> None:
+    lock.take(folder)
+    os._exit(0)  # without letting go of it, as a process that is killed
+
+
 @pytest.mark.parametrize("stale", [False, True])
 def test_one_of_many_that_start_together_wins(tmp_path: Path, stale: bool) -> None:
     """Also when all find the lock of a process that is dead."""
@@ -184,9 +189,10 @@ def test_one_of_many_that_start_together_wins(tmp_path: Path, stale: bool) -> No
         folder = tmp_path / str(round_)
         folder.mkdir()
         if stale:
-            dead = holder(folder)
-            dead.kill()
-            dead.communicate()
+            dead = fork.Process(target=_take_and_end, args=(folder,))
+            dead.start()
+            dead.join()
+            assert (folder / lock.NAME).is_file()
         barrier = fork.Barrier(8)
         rivals = [fork.Process(target=_try, args=((folder, barrier),)) for _ in range(8)]
         for rival in rivals:

@@ -15,6 +15,7 @@ from drillpetsc.plotting.run import render
 from drillpetsc.plotting.run.shape import cut, find_field, half_width, shape_of, smooth
 from drillpetsc.plotting.run.view import TRACK_WIDTH, TRACKS_HEIGHT, _auto_scale, view
 from drillpetsc.plotting.style import color_scale, display_unit
+from tests.helpers.command import unrendered
 from tests.helpers.output_samples import AMPLITUDE, HOLE, LENGTH, PIPE, helix_frame, make_pendulum, make_run
 from tests.helpers.tables import each_row
 
@@ -305,7 +306,8 @@ def test_a_view_in_field_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(style, "figure", figure)
     run = make_run(tmp_path / "run")
-    view(run.path, tmp_path / "field.png", renderer="matplotlib", units="field")
+    with unrendered():
+        view(run.path, tmp_path / "field.png", renderer="matplotlib", units="field")
     words = texts(drawn)
     assert (
         "measured depth [ft]" in words
@@ -319,8 +321,10 @@ def test_a_view_in_field_units(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     assert all(value == round(value) for value in shown) and len(shown) > 3
     assert style.UNITS.get() is None
     drawn.clear()
-    view(run.path, tmp_path / "plain.png", renderer="matplotlib")
+    with unrendered():
+        view(run.path, tmp_path / "plain.png", renderer="matplotlib")
     assert "measured depth [m]" in texts(drawn) and "offset x [mm]" in texts(drawn)
     drawn.clear()
-    view(run.path, tmp_path / "si.png", renderer="matplotlib", units="SI")
+    with unrendered():
+        view(run.path, tmp_path / "si.png", renderer="matplotlib", units="SI")
     assert "offset x [m]" in texts(drawn)

@@ -223,9 +223,9 @@ def test_parameters_off_the_family_are_refused(parameters, message):
 
 def test_frequency_above_which_a_period_loses_one_per_cent():
     """Damping sets in at higher frequencies for larger radii, and nowhere at 1."""
-    found = [AlphaFormula(radius).damped_product() for radius in (0.0, 0.5, 0.8, 0.9)]
+    found = [AlphaFormula(radius).damped_product for radius in (0.0, 0.5, 0.8, 0.9)]
     assert all(p is not None for p in found) and found == sorted(found)  # type: ignore[type-var]
-    assert AlphaFormula(1.0).damped_product() is None
+    assert AlphaFormula(1.0).damped_product is None
 
 
 @each_row("radius", [0.0, 0.8, 1.0])

@@ -69,16 +69,18 @@ def with_modes_beside(
     """
     parts: list[Eigenvalues] = []
     bands: list[Band] = []
+    whole: Eigenvalues | None = None  # of a small system, whose search about any line finds all
     for middle, width in lines:
         if middle + width <= top:
             bands.append(Band(middle, width, width))
             continue
         count = min(FIRST, most)
-        near = eigenvalues_near(problem, 1j * middle, count)
+        near = whole or eigenvalues_near(problem, 1j * middle, count)
         while near.radius < width and count < most:
             # modes follow each other along the axis: their number grows with the radius, and each search starts anew
             count = min(max(2 * count, int(count * min(width / near.radius, most))), most)
             near = eigenvalues_near(problem, 1j * middle, count)
+        whole = near if np.isinf(near.radius) else None
         band = Band(middle, min(near.radius, width), width)
         inside = (near.s.imag > top) & band.holds(near.s)
         near = near.subset(inside & ~in_bands(bands, near.s))

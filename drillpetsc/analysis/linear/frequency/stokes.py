@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -81,18 +80,18 @@ class StokesForces:
         forward (direction 1), s plus the swirl backward (-1), s across still mud (0) (manual: eq-eigen-stokes).
         """
         if direction and self.swirl.any():
-            both = [self._coefficients(_upper(complex(s - 1j * direction * w))) for w in self.swirl]
-            first, second = (np.array([pair[i][k] for k, pair in enumerate(both)]) for i in (0, 1))
-            return first, second
-        return self._coefficients(s)
+            return self._coefficients(_upper(s - 1j * direction * self.swirl))
+        return self._coefficients(np.full(len(self.swirl), complex(s)))
 
-    def _coefficients(self, s: complex) -> tuple[FloatArray, FloatArray]:
+    def _coefficients(self, s: np.ndarray) -> tuple[FloatArray, FloatArray]:
+        """The same at rates (k,) relative to the mud of each kind."""
         chi = (self.ratio**2 + 1) / (self.ratio**2 - 1)
         damping = np.zeros(len(chi)) if self.given is None else np.full(len(chi), self.given)
         viscous = self.viscosity > 0
         if not viscous.any():
             return chi, damping
         radius, ratio, nu = self.radius[viscous], self.ratio[viscous], self.viscosity[viscous]
+        s = s[viscous]
         if self.given is not None:
             chi[viscous] = stokes_coefficients(s.imag * radius**2 / nu, ratio)[0]
             return chi, damping
@@ -124,9 +123,9 @@ class StokesForces:
 LEAST_OSCILLATION = 1e-3
 
 
-def _upper(s: complex) -> complex:
-    """The rate, or its conjugate, whose coefficients are the same, above the real axis."""
-    return complex(s.real, max(abs(s.imag), LEAST_OSCILLATION * abs(s), 1e-9))
+def _upper(s: np.ndarray) -> np.ndarray:
+    """The rates, or their conjugates, whose coefficients are the same, above the real axis."""
+    return s.real + 1j * np.maximum(np.maximum(np.abs(s.imag), LEAST_OSCILLATION * np.abs(s)), 1e-9)
 
 
 def _rounded(values: FloatArray) -> FloatArray:
@@ -151,35 +150,45 @@ class FrequencyDependent:
 
     def matrix(self, s: complex) -> sparse.csr_matrix:
         """K + s C + s^2 M with the mud's force at s, columns scaled."""
-        found = self._sum(self._base, s)
-        for direction, mass, drag in self._parts:
-            chi, damping = self.forces.coefficients(s, direction)
-            for k in range(len(chi)):
-                found = found + chi[k] * self._sum(mass[k], s) + damping[k] * self._sum(drag[k], s)
-        return sparse.csr_matrix(found)
-
-    @staticmethod
-    def _sum(parts: tuple[sparse.csr_matrix, ...], s: complex) -> sparse.csr_matrix:
-        K, C, M = parts
-        return K + s * C + s**2 * M
+        factors = [np.ones(1)]
+        for direction in self._directions:
+            factors += self.forces.coefficients(s, direction)
+        values = (self._values @ np.concatenate(factors)).reshape(3, -1)
+        n = len(self.scale)
+        pattern = self._columns, self._starts
+        return sparse.csr_matrix((values[0] + s * values[1] + s**2 * values[2], *pattern), shape=(n, n))
 
     def __post_init__(self) -> None:
         T = self.base.motions
         parent = np.asarray(abs(T).argmax(axis=0)).ravel()
         self.scale = self.base.scale[parent]
         columns = T @ sparse.diags(self.scale)
-        self._base = tuple(
-            sparse.csr_matrix(T.T @ A @ columns) for A in (self.base.K, self.base.C, self.base.M)
-        )
         # a motion is the sum of one that goes round the hole forward, (u - i J u)/2, and one backward (manual: eq-eigen-swirl)
         ways: list[tuple[float, sparse.csr_matrix]] = [(0.0, columns)]
         if self.turned is not None:
             ways = [(way, 0.5 * (columns - 1j * way * (self.turned @ columns))) for way in (1.0, -1.0)]
+        self._directions = [way for way, _ in ways]
+        parts = [((self.base.K, self.base.C, self.base.M), columns)]
+        parts += [(part, own) for _, own in ways for part in (*self.by_mass, *self.by_damping)]
+        self._set_pattern([[sparse.coo_matrix(T.T @ A @ own) for A in part] for part, own in parts])
 
-        def reduced(parts: list[tuple[sparse.csr_matrix, ...]], own: sparse.csr_matrix) -> list[Any]:
-            return [tuple(sparse.csr_matrix(T.T @ A @ own) for A in part) for part in parts]
+    def _set_pattern(self, parts: list[list[sparse.coo_matrix]]) -> None:
+        """Give all parts one pattern of columns by row, once for all s: an entry is a sum over the parts that have it.
 
-        self._parts = [(way, reduced(self.by_mass, own), reduced(self.by_damping, own)) for way, own in ways]
+        parts: K, C, M (n, n) of each.
+        """
+        n = len(self.scale)
+        keys = [[A.row.astype(np.int64) * n + A.col for A in part] for part in parts]
+        places = np.unique(np.concatenate([key for part in keys for key in part]))
+        self._columns = places % n
+        self._starts = np.searchsorted(places, n * np.arange(n + 1, dtype=np.int64))
+        entries = [
+            (k * len(places) + np.searchsorted(places, keys[number][k]), np.full(A.nnz, number), A.data)
+            for number, part in enumerate(parts)
+            for k, A in enumerate(part)
+        ]
+        rows, columns, data = (np.concatenate(q) for q in zip(*entries, strict=True))
+        self._values = sparse.csr_matrix((data, (rows, columns)), shape=(3 * len(places), len(parts)))
 
 
 def frequency_dependent(model: DrillingModel) -> FrequencyDependent | None:
