@@ -21,6 +21,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import constant
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.model.mud_sections import build_bore, build_walls, loss_tables, metal_below, poisson
 from drillpetsc.physics.fluid.added_mass import (
     chi_confined,
@@ -241,7 +242,8 @@ def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow
     if f.annulus_rheology is not None:
         constants = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
     walls = build_walls(case, mesh)
-    sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+    top = top_of_string(case, mesh.total_length)
+    sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), top + mesh.upper, top + mesh.lower)
     if not case.hold_string:  # the flow past a held string does not include rigid items
         _refuse_closed_annulus(case, mesh, sizes)
     moving_hole = None
@@ -251,7 +253,7 @@ def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow
     choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
     arguments = (
         mesh,
-        HoleAround(sizes, well, moving_hole),
+        HoleAround(sizes, well, moving_hole, top),
         constants,
         poisson(case, mesh),
         _lateral_coefficients(case, sizes),

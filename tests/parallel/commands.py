@@ -432,7 +432,7 @@ SENSITIVITIES = {
         "|--of|wob.mean,rop.mean,hook_load.mean,surface_torque.mean",
         bit.drilling("bdf", {"bit_law": bit.DRAG}, 0.4)._given.keys,
         same_derivatives,
-        (2,),
+        (2, 3),
     ),
     # hole and swirl are renewed on the way
     "derivatives of a run in mud": Row(
