@@ -1,4 +1,4 @@
-"""What a run with `fluid.formulation: hermite` says of its energy balance (manual: sec-mud-hermite)."""
+"""Energy and mud of strings that move past a change of their hole, and what a run with `fluid.formulation: hermite` says of it (manual: sec-mud-hermite, sec-mud-energy)."""
 
 from __future__ import annotations
 
@@ -59,6 +59,12 @@ def test_a_string_that_has_left_the_hole_of_its_start_is_said(tmp_path: Path):
     case = lowered(0.5).replace({"time.end": 14.1, "time.mode": "quasi_static", "fluid.flow_rate": 0.01})
     (line,) = [w for w in run(case, tmp_path / "run", progress="silent").summary["warnings"] if "hole" in w]
     assert f"{100 * (1 - 0.2159 / 0.3):.2g} % of its diameter" in line
+
+
+def test_mud_beside_a_change_of_the_hole_has_its_height(tmp_path: Path):
+    """With `mixed`, too: the change of the hole goes through an element of 5 m, whose mud was counted at its middle (0.5 % of the energy)."""
+    case = lowered(-0.5).replace({"fluid.formulation": "mixed", "fluid.flow_rate": 0.0, "time.end": 3.0})
+    assert abs(run(case, tmp_path / "run", progress="silent").summary["energy"]["error_share"]) < 2e-3
 
 
 def test_a_balance_that_does_not_close_is_said():

@@ -127,7 +127,7 @@ class AnnulusFlow(ChannelFlow):
             control=np.where(e == 0, 1.0, 0.0),
             widening=zero,
             **self._by_place(e),
-            **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
+            **dict.fromkeys(("place1", "place2", "excess1", "excess2", "moment"), zero),
             **self._beside(e, self.well, self.mesh.upper[e]),
             bent=self._bent_on_axis(e),
         )
@@ -393,6 +393,9 @@ class AnnulusFlow(ChannelFlow):
             # a hole being reamed is reread after every 0.2 mm, and its areas ahead include rings not yet cut
             fixed = without_length[e] | bool(around.reamers)
             params[f"excess{k}"][rows] = np.where(fixed, 0.0, around.area[end] - params["hole"][rows])
+        # of a joint's travel, and of a hole that is being reamed, it is left out
+        moment = around.hole.moment(ends[:, 0] + m.rigid_above[e], ends[:, 1])
+        params["moment"][rows] = np.where(without_length[e] | bool(around.reamers), 0.0, moment)
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():
