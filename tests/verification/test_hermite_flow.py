@@ -425,6 +425,9 @@ def test_a_free_end_that_stretch_and_lowering_bring_below_its_hole_keeps_its_buo
     weight = (steel - mud) * np.pi / 4 * (0.127**2 - 0.1086**2) * 9.80665 * length
     assert statics(case, out=tmp_path / "still").summary["hook_load"] == pytest.approx(weight, rel=1e-3)
     summary = run_of_case(case, tmp_path / "lowered").summary
+    # the string displaces its volume, as in a deeper hole
+    returned = np.pi / 4 * 0.127**2 * (0.05 + 1.0)
+    assert summary["mass"]["returned"] == pytest.approx(returned, rel=0.02)
     assert summary["final"]["bit_depth [m]"] > length + 1.2
     assert summary["final"]["hook_load [N]"] == pytest.approx(weight, rel=5e-3)
 
