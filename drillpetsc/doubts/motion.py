@@ -17,8 +17,10 @@ from drillpetsc.model.top import autodriller_of
 from drillpetsc.output.balances.energy_balance import GAINED
 from drillpetsc.output.watches.creep import held_by_creep
 from drillpetsc.output.watches.operation_watch import NEAR_STALL, Spell
+from drillpetsc.parallel import largest
 from drillpetsc.physics.bit.bit_laws import Weakening
 from drillpetsc.physics.bit.rock_bit import RockBit
+from drillpetsc.physics.fluid.hermite.flow import HermiteAnnulus
 from drillpetsc.physics.joints import Joints
 from drillpetsc.physics.top.hoist import HoistLine
 from drillpetsc.physics.top.top_drive import MotorDrive
@@ -38,6 +40,7 @@ CREEPS, ROUNDED = (
     0.2,
     0.01,
 )  # creep of a bit that sticks [rad/s], and over the rotary speed, above which peaks may be too low
+OTHER_HOLE = 0.05  # of the diameter of the hole beside an element, against that at the start, from which it is reported
 UNBALANCED = 3e-3  # energy error over the energy exchanged above which formulation hermite is named
 WAVE_COURSE = 3.0  # course over which a new hole is compared with what is drilled [m]
 CREPT = 1e-3  # of the weight: friction below it holds nothing worth a message
@@ -571,3 +574,21 @@ class UnbalancedVolumes(Doubt):
         share = energy.last_error / energy.exchanged
         if abs(share) > UNBALANCED:
             yield {"percent": 100 * abs(share)}
+
+
+class HoleOfStart(Doubt):
+    """With `formulation: hermite` the mud beside an element keeps the hole of the start, though the string has moved into another section."""
+
+    about = (End,)
+    sentence = (
+        "formulation: hermite lets the mud flow in the hole that was beside the string at the start: the hole there now differs by up to "
+        "{percent:.2g} % of its diameter, and pressure losses and waves are those of the start"
+    )
+    remedy = "Use `formulation: mixed`, which reads the hole where the string is."
+
+    def look(self, at: End) -> Values:
+        annulus = at.model.annulus
+        if at.finished and isinstance(annulus, HermiteAnnulus):
+            share = largest(at.model.system.comm, annulus.other_hole())
+            if share > OTHER_HOLE:
+                yield {"percent": 100 * share}

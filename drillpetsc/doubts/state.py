@@ -22,7 +22,6 @@ Values = Iterable[dict[str, Any]]
 
 MOST_STRAIN = 0.01  # along the axis, twice the yield of the strongest pipe [-]
 LEAST_DEPTH = 1.0  # of the top below the flow line that is reported [m]
-LEAST_LEDGE = 1e-3  # share of the string's weight from which the pressure on ledges of the hole is reported
 SMALL_TORQUE = 0.02  # share of the surface torque below which the swirl is not reported
 STOP_SHARE = (
     1 / 3
@@ -204,32 +203,6 @@ class RotationDragLeftOut(Doubt):
         added = float(total(system.comm, here)) * abs(at.rotation)
         if added > 0:
             yield {"added": added, "rotation": at.rotation}
-
-
-class LedgesOfHole(Doubt):
-    """With `formulation: hermite` the section of the hole goes along with the string, and so does the pressure on its ledges.
-
-    Where the hole narrows from A_1 to A_2, the mud's pressure p loads the string with p (A_1 - A_2) along the hole.
-    """
-
-    about = (Answer, Start)
-    sentence = (
-        "fluid.formulation: hermite lets the mud press on the string where the hole changes its diameter, with {force:force 4} {way} in all: "
-        "hook load and tension are wrong by up to that"
-    )
-    remedy = "Use `fluid.formulation: mixed`, in which the hole carries the pressure on its ledges."
-
-    def look(self, at: Rest) -> Values:
-        model, annulus = at.model, at.model.annulus
-        fluid, chain = at.case.fluid, model.system.chain
-        if annulus is None or fluid is None or fluid.formulation != "hermite" or not model.beam.moves:
-            return
-        ledge = np.zeros(model.mesh.nodes)
-        ledge[1:-1] = -np.diff(annulus.annulus.hole)
-        here = (ledge[chain.vertices] * annulus.pressures(model.system))[chain.owned].sum()
-        force = float(total(model.system.comm, here))
-        if abs(force) > LEAST_LEDGE * float(np.abs(model.effective_mass * model.mesh.length).sum()) * 9.81:
-            yield {"force": abs(force), "way": "downward" if force > 0 else "upward"}
 
 
 class SliderOnStop(Doubt):

@@ -21,6 +21,7 @@ from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
 from drillpetsc.kernels.parameters import constant
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.model.mud_sections import build_bore, build_walls, loss_tables, metal_below, poisson
 from drillpetsc.physics.fluid.added_mass import (
     chi_confined,
@@ -241,7 +242,8 @@ def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow
     if f.annulus_rheology is not None:
         constants = replace(constants, rheology=build_rheology(case, annulus=True).parameters())
     walls = build_walls(case, mesh)
-    sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), mesh.upper, mesh.lower)
+    top = top_of_string(case, mesh.total_length)
+    sizes = walls.annulus(HoleVolume(well), np.arange(len(mesh.upper)), top + mesh.upper, top + mesh.lower)
     if not case.hold_string:  # the flow past a held string does not include rigid items
         _refuse_closed_annulus(case, mesh, sizes)
     moving_hole = None
@@ -251,7 +253,7 @@ def _annulus_flow(string: StringInMud, constants: FluidConstants) -> AnnulusFlow
     choke = 0.0 if f.choke is None else 1 / (2 * f.choke.discharge_coefficient**2 * f.choke.area**2)
     arguments = (
         mesh,
-        HoleAround(sizes, well, moving_hole),
+        HoleAround(sizes, well, moving_hole, top),
         constants,
         poisson(case, mesh),
         _lateral_coefficients(case, sizes),
@@ -271,27 +273,34 @@ def _bit_flow(
     end = _bit_end(string, annulus)
     if hole is not None:
         end = _in_growing_hole(end, hole, f.cuttings == "returned")
+    way = _lowered(string.case)
     if f.formulation == "hermite":
         pair: Any = (bore_flow, annulus)  # both are Hermite channels
-        end = replace(end, volume=end.volume + end.hole * _continued(string, end))
+        end = replace(end, volume=end.volume + end.hole * _continued(string, end, way))
         return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
+    if way > 0.0:  # stretch alone may close the bottom
+        more = _continued(string, end, way)
+        end = replace(end, end=end.end + more * np.asarray(end.axis), more=more)
     moving_hole = annulus.moving_hole if annulus is not None else None
     return BitFlow(last, end, constants, string.held_at, moving_hole, hole)
 
 
-def _continued(string: StringInMud, end: BitEnd) -> float:
-    """Length [m] of hole below a free lower end that its stretch or its lowering brings below the end of the hole.
+def _lowered(case: Case) -> float:
+    """Largest way [m] by which a run lowers its top."""
+    lowering, time = case.top.lowering, case.time
+    if lowering is None or time is None or time.end is None:
+        return 0.0
+    return max(0.0, *(lowering.integral(t) for t in (time.end, *lowering.breaks()) if t <= time.end))
+
+
+def _continued(string: StringInMud, end: BitEnd, way: float) -> float:
+    """Length [m] of hole below a free lower end that its stretch or a ``way`` of its top [m] brings below the end of the hole.
 
     There mud has to give way to the end; without it nothing would press on its face.
     """
-    case = string.case
-    bottom, lowering, time = case.bottom, case.top.lowering, case.time
-    if not end.hole or string.held_at is not None or bottom.kind not in ("free", "force"):
+    if not end.hole or string.held_at is not None or string.case.bottom.kind not in ("free", "force"):
         return 0.0
     above = float((end.end - string.position[-1]) @ end.axis) - end.face
-    way = 0.0
-    if lowering is not None and time is not None and time.end is not None:
-        way = max(0.0, *(lowering.integral(t) for t in (time.end, *lowering.breaks()) if t <= time.end))
     return max(0.0, LARGEST_STRETCH * string.mesh.total_length + way - above)
 
 

@@ -41,6 +41,15 @@ CASES: dict[str, dict] = {
         "top": {**LOWERED, "lowering": 0.01},
         "initial": {"wob": 2e3},
     },
+    "hole that narrows": {
+        "fluid": {"flow_line": 2.0, "formulation": "hermite"},
+        "bottom": "free",
+        "contact": "none",
+        "time": {"end": 0.1},
+        **FREE,
+        "well": hole(160.0)
+        | {"sections": [{"to": 72.0, "kind": "casing", "diameter": 0.3}, *hole(160.0)["sections"]]},
+    },
     "plugged": {
         "fluid": {"flow_line": 2.0},
         "bottom": {"kind": "free", "plugged": True},

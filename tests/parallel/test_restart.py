@@ -59,7 +59,12 @@ def test_a_run_restarted_from_any_checkpoint_is_bit_identical(kind, tmp_path, mo
     """Every file, from checkpoints in the start of the formula, at full order, at a bend, after a jump, and
     at the end."""
     options(**KINDS[kind])
-    text = CASE.replace("fluid: {", "fluid: {formulation: hermite, ") if kind.startswith("hermite") else CASE
+    text = CASE
+    if kind.startswith("hermite"):  # moves by more than the way after which the hole is read anew
+        text = text.replace("fluid: {", "fluid: {formulation: hermite, ").replace("0.1 m/s", "0.6 m/s")
+        text = text.replace(
+            "sections: [", "sections: [{to: 25 m, kind: casing, diameter: 300 mm, friction: 0.2}, "
+        )
     (tmp_path / "case.yaml").write_text(text)
     copies = run_with_copies(tmp_path / "case.yaml", tmp_path / "run", monkeypatch)
     assert len(copies) >= 8

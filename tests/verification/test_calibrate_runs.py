@@ -123,6 +123,18 @@ def test_chaotic_motion_is_refused():
     assert found.value.at == "--log"
 
 
+def test_numbers_that_chaos_has_lost_are_named_as_such():
+    """Where a second search begins, the derivatives are lost after a second: nothing is said of the scatter."""
+    pair = twin(pendulum("bdf"), FREE)
+    work = RunCalibration(run_of(pair.case, PETSc.COMM_SELF), pair.log(pair.clean(), 0.02, 0))
+    work.start = dict(FREE)
+    series = work.followed(work.start, tuple(FREE))
+    lost = np.where(series.times[:, None, None] > 1.0, np.nan, series.slopes)
+    work._kept = dict.fromkeys(work._kept, replace(series, slopes=lost))
+    reasons = work.fit(tuple(FREE), True, {}).reasons
+    assert set(reasons) == set(FREE) and all("chaotic: from 1.0" in why for why in reasons.values())
+
+
 # ---------------------------------------------------------------------- logs
 def written(tmp_path: Path, text: str) -> str:
     path = tmp_path / "log.csv"

@@ -64,3 +64,22 @@ def test_quasi_static_run_says_that_its_buckles_jump(tmp_path):
     with pytest.raises(SolveError, match="buckles jump"):
         run(pushed, tmp_path / "run", progress="silent")
     assert 155e3 < read_table(tmp_path / "run" / "history.csv")["wob [N]"][-1] < 250e3
+
+
+@pytest.mark.parametrize(
+    ("bottom", "share", "words"), [("bit", 1.2, "lifted off"), ("free", 0.8, "nothing holds")]
+)
+def test_a_pull_that_is_not_the_weight_is_named(bottom, share, words, tmp_path):
+    """The top pulls with more than rho A g L, or with less and no bottom: pull and weight stand in the message."""
+    area, length = np.pi / 4 * (PIPE[0] ** 2 - PIPE[1] ** 2), 200.0
+    weight = 7850 * area * G * length
+    case = Case(
+        well=simple_well(length, 0.2159, friction=0.2),
+        string=[{"kind": "pipe", "length": length, "od": PIPE[0], "id": PIPE[1], "element_length": 10}],
+        top={"kind": "top_drive", "force": share * weight},
+        bottom=bottom,
+    )
+    with pytest.raises(SolveError, match=words) as found:
+        statics(case, tmp_path / "pulled")
+    for force in (share * weight, weight):
+        assert f"{force / 1e3:.4g} kN" in str(found.value)

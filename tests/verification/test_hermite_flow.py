@@ -425,26 +425,40 @@ def test_a_free_end_that_stretch_and_lowering_bring_below_its_hole_keeps_its_buo
     weight = (steel - mud) * np.pi / 4 * (0.127**2 - 0.1086**2) * 9.80665 * length
     assert statics(case, out=tmp_path / "still").summary["hook_load"] == pytest.approx(weight, rel=1e-3)
     summary = run_of_case(case, tmp_path / "lowered").summary
+    # the string displaces its volume, as in a deeper hole
+    returned = np.pi / 4 * 0.127**2 * (0.05 + 1.0)
+    assert summary["mass"]["returned"] == pytest.approx(returned, rel=0.02)
     assert summary["final"]["bit_depth [m]"] > length + 1.2
     assert summary["final"]["hook_load [N]"] == pytest.approx(weight, rel=5e-3)
 
 
-def test_pressure_on_a_ledge_of_the_hole_is_named(tmp_path):
-    """In `hermite` the hole goes along with the string: p pi/4 (0.3^2 - 0.2159^2) at 400 m is 160.6 kN too much, which is said.
-
-    `mixed` has the weight in mud of the pipe, and says nothing.
-    """
-    well = simple_well([0.0, 900.0], 0.2159, [0.0, 0.0], friction=0.3)
-    well["sections"] = [{"to": 400.0, "kind": "casing", "diameter": 0.3, "friction": 0.3}, *well["sections"]]
-    load, said = {}, {}
+@pytest.mark.parametrize("kind", ["on a node", "between nodes", "beside a rigid item", "pressed", "curved"])
+def test_the_pressure_on_ledges_of_the_hole_does_not_load_the_string(kind, tmp_path):
+    """The hole carries p (A_1 - A_2), 160 kN at 400 m: the hook load is the weight in mud, and that of `mixed`, whose hole does not go along."""
+    ledge, inclination, outlet = 405.0 if kind == "between nodes" else 400.0, [0.0, 0.0], 0.0
+    if kind == "curved":
+        inclination = [0.0, 1.2]
+    string = [pipe(850.0, 10.0)]
+    if kind == "beside a rigid item":  # from 5 m above the ledge to 4 m below it
+        item = {"kind": "body", "length": 9.0, "od": 0.16, "id": 0.0714, "mass": 900.0}
+        string = [pipe(395.0, 10.0), item, pipe(446.0, 10.0)]
+    if kind == "pressed":
+        outlet = 2e7
+    well = simple_well([0.0, 450.0, 900.0], 0.2159, [0.0, *inclination], friction=0.3)
+    well["sections"] = [{"to": ledge, "kind": "casing", "diameter": 0.3, "friction": 0.3}, *well["sections"]]
+    load = {}
     for formulation in BOTH:
         mud = {"density": 1200, "rheology": WATER, "flow_rate": 0.0, "formulation": formulation}
-        case = Case(string=[pipe(850.0, 10.0)], well=well, top="clamped", bottom="free", fluid=mud)
-        found = statics(case, tmp_path / formulation).summary
-        load[formulation] = found["hook_load"]
-        said[formulation] = [w for w in found["warnings"] if "changes its diameter" in w]
-    ledge = 1200 * 9.81 * 400 * np.pi / 4 * (0.3**2 - 0.2159**2)
-    buoyed = (7850 - 1200) * 9.81 * 850 * np.pi / 4 * (0.127**2 - 0.1086**2)
-    assert load["mixed"] == pytest.approx(buoyed, rel=2e-3) and not said["mixed"]
-    assert load["hermite"] - load["mixed"] == pytest.approx(ledge, rel=0.01)
-    assert f"{ledge / 1000:.0f}" in said["hermite"][0] and "downward" in said["hermite"][0]
+        case = Case(
+            string=string,
+            well=well,
+            top="clamped",
+            bottom="free",
+            fluid=mud | {"outlet_pressure": outlet},
+            gravity=9.81,
+        )
+        load[formulation] = statics(case, tmp_path / formulation).summary["hook_load"]
+    assert load["hermite"] == pytest.approx(load["mixed"], rel=2e-5)
+    if kind in ("on a node", "between nodes"):
+        buoyed = (7850 - 1200) * 9.81 * 850 * np.pi / 4 * (0.127**2 - 0.1086**2)
+        assert load["hermite"] == pytest.approx(buoyed, rel=2e-3)

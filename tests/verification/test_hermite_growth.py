@@ -36,11 +36,15 @@ def standing(kind: str) -> Case:
             "initial": {"wob": 4e3},
         }
     first, last = (0.2, 0.3) if "curved" in kind else (0.5, 0.5) if "wall" in kind else (0.0, 0.0)
-    section = {"to": total + gap, "kind": "casing", "diameter": 0.2159, "friction": 0.0}
+    ledges = {25.0: 0.3, 45.0: 0.24} if "ledge" in kind else {}
+    sections = [
+        {"to": to, "kind": "casing", "diameter": size, "friction": 0.0}
+        for to, size in (ledges | {total + gap: 0.2159}).items()
+    ]
     return Case(
         well={
             "survey": {"md": [0, total + gap], "inclination": [first, last], "azimuth": [0, 0]},
-            "sections": [section],
+            "sections": sections,
         },
         string=string,
         top="clamped",
@@ -89,6 +93,8 @@ def fastest_growth(case: Case) -> float:
         "rigid",
         "rigid tapered bottom",
         "deep",
+        "ledge deep",
+        "ledge rigid bottom",
     ],
 )
 def test_still_mud_in_a_straight_hole_does_not_grow(kind):
@@ -98,7 +104,8 @@ def test_still_mud_in_a_straight_hole_does_not_grow(kind):
 
 
 @each_row(
-    "kind", ["wall", "wall rigid bottom", "wall tapered", "curved tapered wall deep", "curved rigid wall"]
+    "kind",
+    ["wall", "wall rigid bottom", "wall tapered", "curved tapered wall deep", "curved rigid wall ledge"],
 )
 def test_still_mud_beside_a_string_on_the_wall_does_not_grow(kind):
     """The buoyancy across the hole follows the density, which it does not feel: growth by that share of the weight is below 1e-4 1/s."""

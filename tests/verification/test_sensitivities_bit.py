@@ -12,20 +12,12 @@ from drillpetsc.analysis.sensitivities.motion.outputs import parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import RunSeries
 from drillpetsc.case import Case
 from drillpetsc.parallel import initialise_petsc
+from tests.helpers.bit_models import DRAG, RADIUS, TURNING
 from tests.helpers.wells import simple_well
 from tests.verification.test_sensitivities_mud import CURVED, INTEGRATORS, assert_slopes, hanging, largest
 from tests.verification.test_sensitivities_run import rock_bit, series_of
 
-RADIUS, TURNING = 0.108, 4 * np.pi
-DRAG = {
-    "kind": "drag_bit",
-    "blades": 4,
-    "specific_energy": 60e6,
-    "inclination_ratio": 0.6,
-    "contact_stress": 60e6,
-    "wear_flat": 1.2e-3,
-}
-CUT, FLAT = 0.6 * 60e6 * RADIUS, 60e6 * RADIUS * 1.2e-3  # W = CUT d + FLAT [N/m], [N]
+CUT, FLAT = 0.6 * 60e6 * RADIUS, 60e6 * RADIUS * 1.2e-3  # of DRAG: W = CUT d + FLAT [N/m], [N]
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -165,8 +165,11 @@ class RunCalibration(Estimator):
         return self._solve_with(names, np.array(first))
 
     def _not_identifiable(self, parameters: tuple[str, ...]) -> dict[str, str]:
-        """Numbers whose largest change is less than the errors of all readings together."""
-        slopes, out = self.slopes(self.start, parameters), dict[str, str]()
+        """Numbers whose largest change is less than the errors of all readings together; all of them in chaotic motion."""
+        out = self._lost(self.start, parameters)
+        if out:
+            return out
+        slopes = self.slopes(self.start, parameters)
         for name, slope in zip(parameters, slopes, strict=True):
             p = self.parameter(name)
             low, high = p.bounds
@@ -177,11 +180,15 @@ class RunCalibration(Estimator):
 
     def _misfitting(self, kept: tuple[str, ...], best: FloatArray) -> dict[str, str]:
         """All of them in chaotic motion."""
-        until, column, name = self.known_until(dict(zip(kept, best.tolist(), strict=True)), kept)
+        return self._lost(dict(zip(kept, best.tolist(), strict=True)), kept)
+
+    def _lost(self, values: Values, names: tuple[str, ...]) -> dict[str, str]:
+        """All of the ``names``, with the reason, where the motion is chaotic at some values."""
+        until, column, name = self.known_until(values, names)
         if until >= self.log.end:
             return {}
         why = f"the motion is chaotic: from {until:.4g} s on, 1 % of {name} moves {column} by a tenth of its range; end the log there"
-        return dict.fromkeys(kept, why)
+        return dict.fromkeys(names, why)
 
     def known_until(self, values: Values, names: Sequence[str]) -> tuple[float, str, str]:
         """First time [s] at which a derivative is no longer determined, with column and parameter; infinity if all are."""

@@ -6,14 +6,16 @@ from drillpetsc.analysis.statics.equilibrium import StaticState, director_equili
 from drillpetsc.analysis.statics.motor_statics import motor_equilibrium
 from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import nothing_holds
-from drillpetsc.analysis.statics.placement import align_top, place_along_hole, take_unknowns
+from drillpetsc.analysis.statics.placement import align_top, end_is_held, place_along_hole, take_unknowns
 from drillpetsc.analysis.statics.quaternion_statics import quaternion_equilibrium
+from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Freed
 from drillpetsc.errors import SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.physics.tools.mud_motor import MudMotor
+from drillpetsc.unit_systems import shown
 
 
 def find_equilibrium(
@@ -47,7 +49,34 @@ def find_equilibrium(
                 f"the string is not held along the hole: it falls, or only friction holds it ({error.what})"
             )
             error.hint = "initial: {from: rest} with time: {..} lets it fall; another kind of top, or a bottom, holds it"
+        _name_pull(model, error)
         raise
+
+
+def _name_pull(model: DrillingModel, error: SolveError) -> None:
+    """Say in ``error`` that the force of the top is not the weight of a string that nothing else holds along its hole."""
+    force, units = model.case.top.force, model.case.shown_units
+    hanging = None if force is None or end_is_held(model) else soft_string(model, (0.0, 0.0))
+    if force is None or hanging is None:
+        return
+    pull, weight = force.value(0.0), hanging.hook_load
+    if model.bit is None:
+        holds, cure = (
+            "nothing holds it below",
+            "a clamped top, or kind: top_drive without force, carries what it weighs",
+        )
+    elif pull > weight:
+        holds, cure = (
+            "the bit is lifted off the bottom",
+            "a smaller top.force stands it on its bit; without top.force the top carries what it weighs",
+        )
+    else:
+        return
+    pulled, weighs = (shown(q, "force", units) for q in (pull, weight))
+    error.what = (
+        f"the top pulls with {pulled}, and the string weighs {weighs} along its hole: {holds} ({error.what})"
+    )
+    error.hint = f"{cure}; initial: {{from: rest}} with time: {{..}} lets it move"
 
 
 def _equilibrium_at_weight(

@@ -98,6 +98,7 @@ struct AnnulusFlow {
         WIDENING,                  // dA_w per metre that the element moves down the hole [m]: HOLE is the area when the hole was read
         PLACE1, PLACE2,            // t_w.r of both nodes when the hole was read there [m]
         EXCESS1, EXCESS2,          // area of the hole at the nodes less HOLE [m2]
+        MOMENT,                    // of the hole beside the element about its middle, along the hole, when it was read [m4]
         BENT,                      // length of the hole between the nodes less r_s.t_w L, where both nodes were at the origin [m]
         SHARE,                     // swirl of the mud over the spin of the string, when steady [-]; 0: the mud does not swirl, and SWIRL and SWIRL_RATE are 0
         SWIRL, SWIRL_RATE,         // swirl of the mud [rad/s] and its rate [rad/s2]
@@ -308,6 +309,9 @@ struct AnnulusFlow {
             results->content = c.theta * now;
             results->stored = stored_energy(f, (p1 + p2) * 0.5, p[WALL], now);
             energies(on, y, c, p, f, area, M, across, across1, w, wall, V, tau.pull, resistance - beside.resistance, q, drag, (swept1 + swept2) * L, (p1 + p2) * 0.5, now, p1, p2, results);
+            // where the hole narrows within the element, its mud lies higher than the middle
+            const T moment = ((dot(on.x.r2, tw) - p[PLACE2]) * p[EXCESS2] + (dot(on.above, tw) - p[PLACE1]) * p[EXCESS1]) * (L * 0.5) + p[MOMENT];
+            results->potential -= c.density * gw * moment;
             if constexpr (JUNCTION) energies_beside(on, y, c, p, f, q, beside, (p1 + p2) * 0.5 * p[WALL], V, results);
         }
     }

@@ -28,7 +28,7 @@ from drillpetsc.time_function import TimeFunction
 class HoleAround:
     """The hole around the elements of the string.
 
-    sizes: of the annulus at the start; well: the hole.
+    sizes: of the annulus at the start; well: the hole; top: measured depth of the string's top there [m].
     moving: the hole around a moving string, with sizes and directions that depend on the position of the elements;
     None: they keep their initial values.
     """
@@ -36,6 +36,7 @@ class HoleAround:
     sizes: Annulus
     well: Well
     moving: MovingHole | None = None
+    top: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class AnnulusFlow(ChannelFlow):
             control=np.where(e == 0, 1.0, 0.0),
             widening=zero,
             **self._by_place(e),
-            **dict.fromkeys(("place1", "place2", "excess1", "excess2"), zero),
+            **dict.fromkeys(("place1", "place2", "excess1", "excess2", "moment"), zero),
             **self._beside(e, self.well, self.mesh.upper[e]),
             bent=self._bent_on_axis(e),
         )
@@ -269,11 +270,16 @@ class AnnulusFlow(ChannelFlow):
         valve.keep = (self.fluid,)
         return valve
 
+    @property
+    def _flow_line_head(self) -> float:
+        """Pressure of the mud at the rotary table over that at the flow line [Pa]."""
+        return float(-self.fluid.density * self.fluid.gravity[2] * self.flow_line.depth)
+
     def _update_of(self, block: ElementBlock):
         if self._top is None or self._top[0] is not block:
             return None
         row, controlled = self._top[1], block.named["controlled"]
-        head = -self.fluid.density * self.fluid.gravity[2] * self.flow_line.depth
+        head = self._flow_line_head
         if self.held_at is not None:
             head += self.fluid.density * float(self.fluid.gravity @ self.held_at[0])
 
@@ -387,6 +393,9 @@ class AnnulusFlow(ChannelFlow):
             # a hole being reamed is reread after every 0.2 mm, and its areas ahead include rings not yet cut
             fixed = without_length[e] | bool(around.reamers)
             params[f"excess{k}"][rows] = np.where(fixed, 0.0, around.area[end] - params["hole"][rows])
+        # of a joint's travel, and of a hole that is being reamed, it is left out
+        moment = around.hole.moment(ends[:, 0] + m.rigid_above[e], ends[:, 1])
+        params["moment"][rows] = np.where(without_length[e] | bool(around.reamers), 0.0, moment)
         params["wall"][rows] = own.wall
         params["gap"][rows], params["gap_above"][rows] = own.gap, own.gap_above
         for name, value in own.friction().items():

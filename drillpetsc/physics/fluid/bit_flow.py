@@ -51,6 +51,7 @@ class BitEnd:
     end: (3,) lower end of the hole [m]; axis: (3,) its direction.
     tangent: (3,) of the hole at the last node, by default the axis.
     cut: rock that becomes part of the mud per length drilled [m2] (manual: sec-mud-cuttings).
+    more: length by which ``end`` is below the end of the well, where a free end is lowered further [m].
     """
 
     bore: float
@@ -70,6 +71,7 @@ class BitEnd:
     axis: FloatArray
     tangent: FloatArray | None = None
     cut: float = 0.0
+    more: float = 0.0
 
 
 class BitFlow(Component):
@@ -296,10 +298,11 @@ class BitFlow(Component):
             end, axis = self.end.end, self.end.axis
         else:
             end, axis, half = grown.start_point, grown.direction, grown.half
-        distance = well.depth - half - depth - face
+        ahead = well.depth + self.end.more - half - depth
+        distance = ahead - face
         if distance > NEAR:
             place, axis, _ = well.at(depth)
-            end = np.asarray(place) + np.asarray(axis) * (well.depth - half - depth)
+            end = np.asarray(place) + np.asarray(axis) * ahead
             if grown is not None:  # the kernel adds the motion of the end since the start
                 end = end - x[-4:-1]
         return end, np.asarray(axis), distance

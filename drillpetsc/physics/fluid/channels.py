@@ -184,6 +184,16 @@ class HoleVolume:
         self._at = self._at[self._at >= 0]
         self._below = np.concatenate([[0.0], np.cumsum(self._piece(self._at[:-1], self._at[1:]))])
 
+    def moment(self, upper: FloatArray, lower: FloatArray) -> FloatArray:
+        """Compute the first moment (k,) [m4] of the hole between measured depths (k,) [m] about their middle, along the hole."""
+        ends = np.sort(np.concatenate([self._at, upper, lower]))
+        middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+        points = middle[:, None] + half[:, None] * _GAUSS[0]
+        # W grows by a polynomial of degree 7 between the ends of transitions
+        whole = np.concatenate([[0.0], np.cumsum(half * (self.volume(points) @ _GAUSS[1]))])
+        between = whole[np.searchsorted(ends, lower)] - whole[np.searchsorted(ends, upper)]
+        return 0.5 * (self.volume(upper) + self.volume(lower)) * (lower - upper) - between
+
     def _piece(self, upper: FloatArray, lower: FloatArray) -> FloatArray:
         middle, half = 0.5 * (upper + lower), 0.5 * (lower - upper)
         return half * (self.area(middle[..., None] + half[..., None] * _GAUSS[0]) @ _GAUSS[1])

@@ -49,6 +49,22 @@ struct HolePassed {
     }
 };
 
+// A ledge of the hole at a node, where its section falls by D.  The elements keep their sections, so that the ledge goes along with the string; yet the
+// mud passes a ledge that stands: below it the flow relative to the string is greater by D times the speed of the node.  The volume at zero pressure is
+// e^(beta p) times that, with the pressure p of mud at rest at the ledge.  By the work of this flow, less what the mud of the volume has stored, the
+// pressure on the ledge does not load the string (manual: eq-mud-hermite-ledge).
+template <class T, class S>
+struct Ledge {
+    S volume, push;  // of mud per way [m2]; D times the energy stored per volume [N]
+    T speed;
+    Jet<T> moved;    // [m3]
+    Ledge() : volume(0.0), push(0.0), speed(0.0), moved{T(0.0), T(0.0), T(0.0)} {}
+    Ledge(const Jet<T>& along, const S& per_way, const S& stored, const S& place)
+        : volume(per_way), push(stored), speed(along.y), moved(Jet<T>{along.x - place, along.y, along.a}.times(per_way)) {}
+    // that the mud brings which the elements hold in excess; depth: times gravity [m2/s2]
+    double power(const Fluid& f, double depth) const { return push * speed - f.density * depth * moved.y; }
+};
+
 template <bool JUNCTION, bool HELD>
 struct HermiteAnnulus {
     static constexpr int F = HELD ? 0 : JUNCTION ? 15 : 14, D = F + 4, NSPIN = HELD ? 0 : 2;
@@ -70,7 +86,9 @@ struct HermiteAnnulus {
         BENT,                   // as in fluid/annulus_flow.hpp
         WAITS, OPEN_ABOVE,      // as in fluid/hermite/hermite_bore.hpp
         PASSED1, PASSED2 = PASSED1 + 3,  // 3 each: volume of hole that both nodes pass by their motion, per length [m2]; the same for all that meet there
-        NP = PASSED2 + 3)
+        // ledges of the hole below the rigid item above and at the lower node (Ledge), with t.r of both nodes where they are at their ledges [m]
+        LEDGE_ABOVE = PASSED2 + 3, LEDGE, PUSH_ABOVE, PUSH, LEDGE_PLACE_ABOVE, LEDGE_PLACE,
+        NP)
 
     template <class T, class S>
     static void force(int, const T* x, const T* y, const T* a, const S* p, void* context, T* r) {
@@ -109,6 +127,13 @@ struct HermiteAnnulus {
             if constexpr (JUNCTION) drop = beside.rises(on, y, a, p, f).times(f.density);
             const S item = JUNCTION ? p[OPEN_ABOVE] * p[RIGID] : zero;
             VolumeLine<T, S> line(x + F, y + F, a + F, f, L, p[WALL] * A, item, item * p[WALL], drop, less1 + rest, less1, less2 + rest, less2);
+            const Ledge<T, S> ledge2(hole.s2, p[LEDGE], p[PUSH], p[LEDGE_PLACE]);
+            Ledge<T, S> ledge1;
+            line.V2 = line.V2 - ledge2.moved;
+            if constexpr (JUNCTION) {
+                ledge1 = Ledge<T, S>({hole.s1.x + p[BENT], hole.s1.y, hole.s1.a}, p[LEDGE_ABOVE], p[PUSH_ABOVE], p[LEDGE_PLACE_ABOVE]);
+                line.V1 = line.V1 + ledge1.moved;
+            }
             const Vec<T> still = {T(0.0), T(0.0), T(0.0)};
             Four<T> rows = {still, still, still, still};
             Stretch<T> stretch(on.x, il);
@@ -126,6 +151,8 @@ struct HermiteAnnulus {
             stretch.store(on.x, il, rows);
             hole.row[1] -= end1 * p[HOLE];
             hole.row[3] -= end2 * p[HOLE];
+            if constexpr (JUNCTION) hole.row[0] += line.row[0] * ledge1.volume - ledge1.push;
+            hole.row[2] -= line.row[2] * ledge2.volume + ledge2.push;
             rows.r1 += tw * heads(f, upper, line.p1.x, p[SHOULDER]);
             Vec<T> first = still;  // row of the upper node, which is that of r1 without an item
             hole.store(rows, first);
@@ -152,7 +179,13 @@ struct HermiteAnnulus {
             if constexpr (JUNCTION) { r[0] += first.x; r[1] += first.y; r[2] += first.z; }
             r[6] = (y[6] * 2.0 + y[13]) * (p[TURNING] * L * (1.0 / 6)) + brake;
             r[13] = (y[13] * 2.0 + y[6]) * (p[TURNING] * L * (1.0 / 6)) + brake;
-            if constexpr (std::is_same_v<T, double>) if (results) results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
+            if constexpr (std::is_same_v<T, double>) if (results) {
+                results->dissipated += p[TURNING] * L / 3 * (y[6] * y[6] + y[6] * y[13] + y[13] * y[13]);
+                results->content -= ledge1.moved.x + ledge2.moved.x;
+                // the mud that appears or vanishes there has its height
+                const double gw = dot(vec(f.gravity), tw);
+                results->left_out += ledge1.power(f, gw * dot(on.x.r1, tw) + p[LEVEL]) + ledge2.power(f, gw * dot(on.x.r2, tw) + p[LEVEL]);
+            }
             finish(line, y + F, p, f, r + F, results);
         }
     }
@@ -270,7 +303,7 @@ struct HermiteAnnulus {
         line.store(f, r);
         if constexpr (std::is_same_v<T, double>) if (results) {
             const double own = JUNCTION ? (p[HOLE_ABOVE] - p[OUTER_ABOVE]) * p[RIGID] : 0.0;
-            results->content = (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
+            results->content += (p[HOLE] - p[OUTER]) * p[LENGTH] + own + line.V1.x - line.V2.x;
             if (own > 0.0) results->content += line.item_more, results->stored += stored_energy(f, line.middle.x, p[WALL], own);
             results->storage_upper = 0.5 * (y[0] - y[1]); results->storage_lower = results->storage_upper;
         }

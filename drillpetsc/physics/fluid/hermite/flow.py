@@ -21,7 +21,7 @@ import numpy as np
 from drillpetsc.arrays import FloatArray, IntArray, sums_from_below
 from drillpetsc.fem.component import ElementBlock, Field
 from drillpetsc.kernels.parameters import Parameters, Table
-from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow
+from drillpetsc.physics.fluid.annulus_flow import AnnulusFlow, HoleAround
 from drillpetsc.physics.fluid.bit_flow import GAP_ROUNDING, RESULTS, BitFlow
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow, ambient_update
@@ -272,14 +272,16 @@ class HermiteAnnulus(_ByVolumes, AnnulusFlow):
     resizes = False
     sign = -1.0
 
-    def __init__(self, *arguments, pump: TimeFunction):
-        super().__init__(*arguments)
+    def __init__(self, mesh, around: HoleAround, *arguments, pump: TimeFunction):
+        super().__init__(mesh, around, *arguments)
         self._set_reference(pump, self.annulus.hole - self.annulus.outer)
         self._turned_at: FloatArray | None = (
             None  # (nv, 3) nodes where the hole is evaluated during a run [m]
         )
-        m = self.mesh
-        depth, hole = np.append(m.upper - m.rigid_above, m.lower[-1:]), self.annulus.hole
+        m, top, hole = self.mesh, around.top, self.annulus.hole
+        #: (n,) measured depth of upper node, lower end of the rigid item above, lower node, at the start [m]
+        self._start = top + m.upper - m.rigid_above, top + m.upper, top + m.lower
+        depth = np.append(self._start[0], self._start[2][-1:])
         #: (n+1, 3) volume of hole that a node passes per length of its way [m2] (kernels/fluid/hermite/hermite_annulus.hpp)
         self.passed = np.append(hole, hole[-1:])[:, None] * self.well.at(depth)[1]
 
@@ -297,11 +299,32 @@ class HermiteAnnulus(_ByVolumes, AnnulusFlow):
             open_above=(self.annulus.hole_around - self.annulus.outer_above)[e],
             passed1=self.passed[e],
             passed2=self.passed[e + 1],
+            **self._ledges(e),
             **self._beside(e, self.well, self.mesh.upper[e]),
             # the element below a shoulder presses on it with the pressure beside itself, not with that above
             shoulder=self._shoulders(e, self.annulus.only(e), self.annulus.only(np.maximum(e - 1, 0)))
             - np.diff(self.heads, prepend=0.0)[e] * self.annulus.outer[e],
         )
+
+    def _ledges(self, e: np.ndarray) -> dict[str, FloatArray]:
+        """Parameters of the ledges of the hole at the elements ``e`` (k,) (manual: eq-mud-hermite-ledge)."""
+        a, fluid, beta = self.annulus, self.fluid, 1 / self.fluid.bulk_modulus
+        node, item, lower = (self.well.at(depth[e]) for depth in self._start)
+        first = np.where(self.mesh.rigid_above > 0, a.hole_around, a.hole)
+        below = np.append(first[1:], a.hole[-1:])
+        outlet = self.flow_line.pressure.value(0.0) + self._flow_line_head
+        found = dict[str, FloatArray]()
+        for name, narrowed, at, (place, along, _) in (
+            ("_above", first - a.hole, item[0], node),
+            ("", a.hole - below, lower[0], lower),
+        ):
+            pressure = outlet + fluid.density * (at @ fluid.gravity)
+            found |= {
+                f"ledge{name}": narrowed[e] * np.exp(beta * pressure),
+                f"push{name}": narrowed[e] * (np.expm1(beta * pressure) / beta - pressure),
+                f"ledge_place{name}": np.sum(place * along, axis=1),
+            }
+        return found
 
     def blocks(self, part) -> tuple[ElementBlock, ...]:
         # the outlet's pressure on the annulus is among the rows of the uppermost element
@@ -320,15 +343,41 @@ class HermiteAnnulus(_ByVolumes, AnnulusFlow):
         places = around.places if self._turned_at is None else self._turned_at
         above, below = (places[end] for end in nodes.T)
 
-        def way() -> FloatArray:
-            lower, upper = params["tangent2"][rows], params["tangent0"][rows]
-            return np.asarray(np.sum(below * lower, axis=1) - np.sum(above * upper, axis=1))
+        def along() -> tuple[FloatArray, FloatArray]:
+            directions = params["tangent0"][rows], params["tangent2"][rows]
+            return np.sum(above * directions[0], axis=1), np.sum(below * directions[1], axis=1)
 
-        length = around.depth[nodes[:, 1]] - around.depth[nodes[:, 0]] - self.mesh.rigid_above[e]
+        depth = around.depth[nodes[:, 0]], around.depth[nodes[:, 1]]
+        length, way = (
+            depth[1] - depth[0] - self.mesh.rigid_above[e],
+            (depth[0] - self._start[0][e], depth[1] - self._start[2][e]),
+        )
         if self._turned_at is not None:
-            length = params["bent"][rows] + way()
+            upper, lower = along()
+            length = params["bent"][rows] + lower - upper
+            way = upper - params["ledge_place_above"][rows], lower - params["ledge_place"][rows]
         super()._renew(params, rows, cells, around)
-        params["bent"][rows] = length - way()
+        upper, lower = along()
+        params["bent"][rows] = length - (lower - upper)
+        params["ledge_place_above"][rows], params["ledge_place"][rows] = upper - way[0], lower - way[1]
+
+    def other_hole(self) -> float:
+        """Largest change of the hole's diameter since the start, over that diameter, beside the elements of this rank [-]."""
+        around, e = self.moving_hole, self._part.cells
+        if around is None or self.held:
+            return 0.0
+        now, then = around.annulus(e, around.depth[self._part.ends]), self.annulus.only(e)
+        return float(np.abs(now.hole_diameter / then.hole_diameter - 1).max(initial=0.0))
+
+    def flows(self, system) -> FloatArray:
+        flow = super().flows(system)
+        if self.held:
+            return flow
+        upper, lower = (system.field("string.position", "y")[end] for end in system.chain.ends.T)
+        # past a ledge the flow relative to the string changes
+        gained = self.parameter("ledge_above") * np.sum(upper * self.parameter("tangent0"), axis=1)
+        gained -= self.parameter("ledge") * np.sum(lower * self.parameter("tangent2"), axis=1)
+        return np.asarray(flow + 0.5 * gained)
 
     def direction_at_bit(self) -> FloatArray | None:
         """(3,) direction of the hole at the lowest node; None on ranks without it."""
