@@ -21,6 +21,7 @@ from drillpetsc.analysis.calibration.of_runs import (
 from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
+from drillpetsc.output import write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_SERIES
 from drillpetsc.output.job import Job, RunResult
 
@@ -64,8 +65,10 @@ def run_calibrate_log(
         "notes": list(log.notes),
     }
     titles, columns = _table(work, fit, described)
-    tables = [(CALIBRATION_SERIES, titles, zip(*columns, strict=True))]
-    return job.result(job.make_folder(), summary, _lines(work, fit, summary, further), tables)
+    folder = job.make_folder()
+    if job.comm.rank == 0:
+        write_table(folder.path / CALIBRATION_SERIES, titles, columns)
+    return job.result(folder, summary, _lines(work, fit, summary, further))
 
 
 def _table(work: RunCalibration, fit: Fit, units: dict[str, str]) -> tuple[list[tuple[str, str]], list[Any]]:

@@ -26,7 +26,6 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 
 SHOWN_EACH = 10  # samples of a part, after which progress is shown
@@ -96,11 +95,7 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         "warnings": doubts_at(drawn, "warning"),
         "notes": [*notes, *response.notes, *doubts_at(drawn, "remark")],
     }
-    tables = (
-        (UNCERTAIN_TABLE, COLUMNS["uncertain"], rows),
-        (UNCERTAIN_LIMITS_TABLE, COLUMNS["uncertain_limits"], limits),
-        (UNCERTAIN_SHARES_TABLE, COLUMNS["uncertain_shares"], shares),
-    )
+    tables = {UNCERTAIN_TABLE: rows, UNCERTAIN_LIMITS_TABLE: limits, UNCERTAIN_SHARES_TABLE: shares}
     lines = _lines(case, named, outputs, found, question, summary, limits)
     return job.result(job.make_folder(), summary, lines, tables)
 

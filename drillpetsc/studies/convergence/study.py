@@ -27,7 +27,6 @@ from drillpetsc.output import RunFolder
 from drillpetsc.output.progress import duration
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.studies.convergence.plan import (
-    DEFAULT_CURVES,
     VARIED,
     Base,
     Point,
@@ -212,7 +211,7 @@ def _refuse_invalid(request: StudyRequest, base: Base) -> None:
 def _points(request: StudyRequest, base: Base, few: bool) -> list[Point]:
     """Points of the study."""
     if request.curves is not None:
-        return plan_curves(request.curves or DEFAULT_CURVES, base, few)
+        return plan_curves("curves", request.curves, base, few)
     assert request.vary is not None
     points = plan_of(request.vary, base, request.words)
     if len({(p.curve, p.label) for p in points}) < len(points):

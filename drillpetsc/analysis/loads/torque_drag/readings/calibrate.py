@@ -27,7 +27,6 @@ from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.unit_systems import System, shown
 
 FEWEST_DEPTHS = (
@@ -96,7 +95,7 @@ def run_calibrate(
         alone = np.full(len(prediction.computed), np.nan)
         rows += _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")
     lines = _lines(work, fit, summary, told(further, work))
-    return job.result(job.make_folder(), summary, lines, [(CALIBRATION_TABLE, COLUMNS["measured"], rows)])
+    return job.result(job.make_folder(), summary, lines, {CALIBRATION_TABLE: rows})
 
 
 def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> list[dict[str, Any]]:
