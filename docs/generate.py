@@ -4,7 +4,7 @@
 - `case/*.md`: one page a block of the case file (`case_reference`)
 - `commands.md`: commands and options, from the classes of `drillpetsc.operations`
 - `messages.md`: what the program answers to each file of `cases/broken`
-- `warnings.md`: when each doubt about a result appears, what it means and what to do, from the classes of `drillpetsc.doubts`
+- `warnings.md`: when each doubt about a result appears, what it means and what to do, from the functions of `drillpetsc.doubts`
 - `supported.md`: which formulation takes which feature, found out by building small cases
 - `notebooks/*.md`: the notebooks in docs/notebooks with the outputs that they hold, and their pictures; nothing is run
 - `outputs/*.md`: the tables of columns, fields and keys that `docs/guide/outputs.md` includes, from the catalogue of outputs
@@ -167,8 +167,8 @@ def warnings_page() -> str:
         for doubt in together:
             if doubt.weight == "remark" and not doubt.remedy:
                 continue
-            name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(doubt).__name__).lower()
-            meaning = with_references(markdown(" ".join((inspect.getdoc(type(doubt)) or "").split())))
+            name = doubt.function.__name__.replace("_", " ")
+            meaning = with_references(markdown(" ".join((inspect.getdoc(doubt.function) or "").split())))
             when = "; ".join(moment_text(kind) for kind in doubt.about)
             out += [
                 f"### {name.capitalize()}\n",
@@ -199,7 +199,7 @@ def all_doubts() -> list[Any]:
 
 def module_of(doubt: Any) -> str:
     """The module in which a doubt is declared."""
-    return getattr(doubt, "module", type(doubt).__module__)
+    return str(doubt.function.__module__)
 
 
 def moment_text(kind: type) -> str:

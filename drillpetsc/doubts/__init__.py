@@ -1,4 +1,4 @@
-"""What makes a result doubtful: one class a doubt, in the file of its subject; see ``doubts/doubt.py``.
+"""What makes a result doubtful: one function a doubt, in the file of its subject; see ``doubts/doubt.py``.
 
 The order of these imports is the order in which the user reads doubts.
 """

@@ -1,31 +1,31 @@
-"""What makes a result doubtful: one class a doubt, which every command asks at the moments that the class names.
+"""What makes a result doubtful: one function a doubt, which every command calls at the moments that its annotation names.
 
-    class TopPush(Doubt):
+    @doubt(
+        "the top pushes the string into the hole with {push:force}: a hook can only pull",
+        "Lower the weight on bit, or check the friction factors.",
+    )
+    def top_push(at: Answer | Start) -> Values:
         \"\"\"The top pushes the string into the hole, which a hook cannot.\"\"\"
+        return at.hook_load < 0 and {"push": -at.hook_load}
 
-        about = (Answer, Start)
-        sentence = "the top pushes the string into the hole with {push:force}: a hook can only pull"
-        remedy = "Lower the weight on bit, or check the friction factors."
-
-        def look(self, at):
-            if at.hook_load < 0:
-                yield {"push": -at.hook_load}
-
-The docstring says when the doubt appears and what it means; with ``sentence`` and ``remedy`` it is the doubt's entry in the
-manual. Defining the class registers it. A remark on what a result contains or leaves out is one call of ``remark``.
+The docstring says when the doubt appears and what it means; with sentence and remedy it is the doubt's entry in the
+manual. Without a remedy it is a remark on what a result contains or leaves out; ``remark`` registers one in one call.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from string import Formatter
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal, get_args, get_type_hints
 
 from drillpetsc.case.case import Case
 from drillpetsc.unit_systems import KINDS, System, display_unit, duration, shown
 
 Weight = Literal["warning", "remark"]
+#: what a doubt returns: nothing or False if it does not appear; True; the values of its sentence; or these once for each place,
+#: as a generator.  Collective, and equal on all ranks.
+Values = Any
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class CaseMoment:
         return self.case.shown_units
 
 
+@dataclass(frozen=True)
 class Doubt:
     """One doubt about a result.
 
@@ -47,54 +48,51 @@ class Doubt:
     sentence: what the user reads. ``{depth:length 6}`` shows an SI value in the reader's units with up to 6 digits, 4 unless given;
     ``{step:duration}`` a time as 2 ms or 3 s; any
     other format is Python's.
+    function(moment): whether it appears, and with which values.
     remedy: what the user can do.
     weight: a remark says what a result contains or leaves out; a warning says that it may be wrong.
     """
 
     about: tuple[type, ...]
     sentence: str
+    function: Callable[[Any], Values]
     remedy: str = ""
     weight: Weight = "warning"
 
-    def __init_subclass__(cls) -> None:
-        if hasattr(cls, "sentence"):  # not of a base class that several share
-            DOUBTS.append(cls())
-
-    def look(self, at: Any) -> Iterable[Mapping[str, Any]]:
-        """Values of the sentence, once for each place where the doubt appears; collective, and equal on all ranks."""
-        raise NotImplementedError
+    def look(self, at: Any) -> list[Mapping[str, Any]]:
+        """Values of the sentence, once for each place where the doubt appears; collective."""
+        found = self.function(at)
+        if isinstance(found, Iterator):
+            return list(found)
+        return [found if isinstance(found, Mapping) else {}] if found else []
 
     def sentences(self, at: Any) -> list[str]:
         """What the user reads at a moment; collective."""
         return [written(self.sentence, values, at.units) for values in self.look(at)]
 
 
-@dataclass(frozen=True)
-class Remark:
-    """What a result contains or leaves out, in one sentence that needs no explanation (``remark``)."""
+def doubt(
+    sentence: str, remedy: str = "", *, weight: Weight = "warning"
+) -> Callable[[Callable[[Any], Values]], Doubt]:
+    """Register the decorated function as a doubt about the moments of its annotation, a class or several."""
 
-    about: tuple[type, ...]
-    sentence: str
-    holds: Callable[[Any], Any]
-    module: str
-    remedy: ClassVar[str] = ""
-    weight: ClassVar[Weight] = "remark"
+    def register(function: Callable[[Any], Values]) -> Doubt:
+        about = get_type_hints(function)["at"]
+        DOUBTS.append(
+            Doubt(get_args(about) or (about,), sentence, function, remedy, weight if remedy else "remark")
+        )
+        return DOUBTS[-1]
 
-    def sentences(self, at: Any) -> list[str]:
-        """What the user reads at a moment."""
-        values = self.holds(at)
-        if not values:
-            return []
-        return [written(self.sentence, values if isinstance(values, Mapping) else {}, at.units)]
+    return register
 
 
-def remark(about: type, sentence: str, holds: Callable[[Any], Any]) -> None:
-    """Register a remark about a moment: ``holds`` returns nothing or False if it does not appear, else True or the values."""
-    DOUBTS.append(Remark((about,), sentence, holds, holds.__module__))
+def remark(about: type, sentence: str, function: Callable[[Any], Values]) -> None:
+    """Register a remark about a moment, in one sentence that needs no explanation."""
+    DOUBTS.append(Doubt((about,), sentence, function, weight="remark"))
 
 
 #: every doubt, in the order in which the user reads them
-DOUBTS: list[Doubt | Remark] = []
+DOUBTS: list[Doubt] = []
 
 
 class _InUnits(Formatter):

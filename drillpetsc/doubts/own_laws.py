@@ -2,50 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
-
-from drillpetsc.doubts.doubt import Doubt, remark
+from drillpetsc.doubts.doubt import Values, doubt
 from drillpetsc.doubts.moments import Answer, Built, Moment, Start
 from drillpetsc.physics.own_law import OwnLaw
-
-Values = Iterable[dict[str, Any]]
 
 
 def _laws(at: Moment) -> list[OwnLaw]:
     return [law for component in at.model.components for law in component.own_laws]
 
 
-class WrongDerivative(Doubt):
+@doubt(
+    "{law}: {function} returns {name} = {given:.6g} at {where}, and differences of its result give {found:.6g} (SI units): "
+    "steps may be short or fail",
+    "Correct the derivative, or leave it out: the program then takes differences.",
+)
+def wrong_derivative(at: Built | Answer | Start) -> Values:
     """A derivative that the function of a law returns is not the slope of its result at a usual state."""
-
-    about = (Built, Answer, Start)
-    sentence = (
-        "{law}: {function} returns {name} = {given:.6g} at {where}, and differences of its result give {found:.6g} (SI units): "
-        "steps may be short or fail"
-    )
-    remedy = "Correct the derivative, or leave it out: the program then takes differences."
-
-    def look(self, at: Moment) -> Values:
-        for law in _laws(at):
-            for q in law.mismatches:
-                yield {
-                    "law": law.kind.key,
-                    "function": law.name,
-                    "name": q.name,
-                    "given": q.given,
-                    "found": q.found,
-                    "where": q.where,
-                }
+    for law in _laws(at):
+        for q in law.mismatches:
+            yield {
+                "law": law.kind.key,
+                "function": law.name,
+                "name": q.name,
+                "given": q.given,
+                "found": q.found,
+                "where": q.where,
+            }
 
 
-def _slow(at: Moment) -> dict[str, Any]:
+@doubt(
+    "{law}: {function} takes one state at a time, which is slow; with numpy functions (np.exp, np.where) it takes all at once"
+)
+def slow(at: Built) -> Values:
     laws = [law for law in _laws(at) if law.one_by_one]
     return {"law": laws[0].kind.key, "function": laws[0].name} if laws else {}
-
-
-remark(
-    Built,
-    "{law}: {function} takes one state at a time, which is slow; with numpy functions (np.exp, np.where) it takes all at once",
-    _slow,
-)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from drillpetsc.doubts.doubt import Doubt
+from drillpetsc.doubts.doubt import Values, doubt
 from drillpetsc.doubts.moments import Moment
 from drillpetsc.physics.tools.motor_law import SLIP
 from drillpetsc.physics.tools.mud_motor import MudMotor
-
-Values = Iterable[dict[str, Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,64 +43,47 @@ class Driven(Moment):
         }
 
 
-class UnsettledMotor(Doubt):
+@doubt(
+    "the speed of the downhole motor did not settle in the search for the equilibrium",
+    "Read torque and weight on bit as estimates, or simulate the motion with `run`.",
+)
+def unsettled_motor(at: Driven) -> Values:
     """The speed of the downhole motor and the equilibrium did not agree after some rounds."""
-
-    about = (Driven,)
-    sentence = "the speed of the downhole motor did not settle in the search for the equilibrium"
-    remedy = "Read torque and weight on bit as estimates, or simulate the motion with `run`."
-
-    def look(self, at: Driven) -> Values:
-        if not at.settled:
-            yield {}
+    return not at.settled
 
 
-class MotorWithoutFlow(Doubt):
+@doubt(
+    "{name}: no flow through the motor, so it does not turn",
+    "Give `fluid.flow_rate`, or a motor with a flow rate of its own.",
+)
+def motor_without_flow(at: Driven) -> Values:
     """No mud flows through the downhole motor, so it does not turn."""
-
-    about = (Driven,)
-    sentence = "{name}: no flow through the motor, so it does not turn"
-    remedy = "Give `fluid.flow_rate`, or a motor with a flow rate of its own."
-
-    def look(self, at: Driven) -> Values:
-        if not at.free_speed:
-            yield {"name": at.motor.label}
+    return not at.free_speed and {"name": at.motor.label}
 
 
-class MotorBackwards(Doubt):
+@doubt(
+    "{name}: the mud flows up through the motor and turns it backwards with {rpm:.4g} rpm",
+    "Check the sign of the flow rate, and a string that is run in open-ended.",
+)
+def motor_backwards(at: Driven) -> Values:
     """The mud flows up through the downhole motor and turns it backwards."""
-
-    about = (Driven,)
-    sentence = "{name}: the mud flows up through the motor and turns it backwards with {rpm:.4g} rpm"
-    remedy = "Check the sign of the flow rate, and a string that is run in open-ended."
-
-    def look(self, at: Driven) -> Values:
-        if at.free_speed and at.flow < 0:
-            yield {"name": at.motor.label, "rpm": -at.figures["rpm"]}
+    return at.free_speed and at.flow < 0 and {"name": at.motor.label, "rpm": -at.figures["rpm"]}
 
 
-class MotorStallsAtStart(Doubt):
+@doubt(
+    "{name}: {flow:flow} gives {rpm:.4g} rpm, torque of the start {torque:torque} is above stall_torque {stall:torque}: the motor "
+    "does not turn",
+    "Give less weight on bit, or more flow.",
+)
+def motor_stalls_at_start(at: Driven) -> Values:
     """The torque of the start exceeds the stall torque of the downhole motor."""
-
-    about = (Driven,)
-    sentence = (
-        "{name}: {flow:flow} gives {rpm:.4g} rpm, torque of the start {torque:torque} is above stall_torque {stall:torque}: the motor "
-        "does not turn"
-    )
-    remedy = "Give less weight on bit, or more flow."
-
-    def look(self, at: Driven) -> Values:
-        if at.free_speed and at.flow >= 0 and at.torque >= at.figures["stall"]:
-            yield at.figures
+    return at.free_speed and at.flow >= 0 and at.torque >= at.figures["stall"] and at.figures
 
 
-class MotorIsDriven(Doubt):
+@doubt(
+    "{name}: {flow:flow} gives {rpm:.4g} rpm, the part below the motor drives it with {torque:torque} at the start",
+    "Check the torque on bit: the rock resists a bit that turns.",
+)
+def motor_is_driven(at: Driven) -> Values:
     """The string below the downhole motor drives it."""
-
-    about = (Driven,)
-    sentence = "{name}: {flow:flow} gives {rpm:.4g} rpm, the part below the motor drives it with {torque:torque} at the start"
-    remedy = "Check the torque on bit: the rock resists a bit that turns."
-
-    def look(self, at: Driven) -> Values:
-        if at.free_speed and at.flow >= 0 and at.torque < 0:
-            yield at.figures
+    return at.free_speed and at.flow >= 0 and at.torque < 0 and at.figures

@@ -37,7 +37,7 @@ class LogStream:
         self.name, self._mapping = Path(name), mapping or {}
         self.start: datetime | None = None
         self.left_out: Counter[str] = Counter()
-        self.remarks: tuple[str, ...] = ()
+        self._remarks: tuple[str, ...] = ()
         self.titles: dict[str, str] = {}
         self.lines = 0
         self._head: list[str] = []
@@ -45,6 +45,11 @@ class LogStream:
         self._mark = ""
         self._columns: dict[str, tuple[int, str]] = {}  # channel -> number, unit
         self._last = -np.inf
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was assumed about the columns, and which of them are not used."""
+        return self._remarks
 
     @property
     def by_time(self) -> bool:
@@ -116,7 +121,7 @@ class LogStream:
             want = "columns of the bit depth and of a reading; --map bit_depth=TITLE:UNIT names one"
             raise CaseError(got=", ".join(self._sheet.titles)[:200], want=want, **self._sheet.place)
         self.titles = {name: self._sheet.titles[j] for name, (j, _) in columns.items()}
-        self.remarks = (*choice.remarks, *choice.warnings)
+        self._remarks = (*choice.remarks, *choice.warnings)
 
     # ------------------------------------------------------------------ rows
     def _read(self, cells: list[list[str]]) -> Log | None:

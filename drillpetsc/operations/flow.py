@@ -104,14 +104,5 @@ class Surge(DrawnOperation):
         from drillpetsc.analysis.hydraulics.surge import Trips
         from drillpetsc.case.blocks.well import Window
 
-        window = None
-        if self.flow is not None and "pumping" not in self.pipe:
-            raise CaseError(
-                at="--flow", got=f"{self.flow:g} m3/s", want="--flow together with --pipe pumping"
-            )
-        if self.window is not None:
-            if len(self.window) != 2 or self.window[1] <= self.window[0]:
-                want = "two densities, PORE,FRAC, with frac above pore, such as 11.2,13.8 ppg"
-                raise CaseError(at="--window", got=str(self.window), want=want)
-            window = Window(pore=self.window[:1], frac=self.window[1:])
+        window = None if self.window is None else Window(pore=self.window[:1], frac=self.window[1:])
         return Trips(self.speeds, self.operation, self.pipe, self.bit_depth, window, self.flow, self.dynamic)

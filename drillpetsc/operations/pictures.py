@@ -106,7 +106,8 @@ class Plot(Operation):
     units: Units = None
 
     def compute(self, job: Any) -> Any:
-        from drillpetsc.plotting.run.plot import plot, save_figures, spectra
+        from drillpetsc.plotting.run.plot import plot, spectra
+        from drillpetsc.plotting.style import save_figures
 
         say_unfinished(self.folder)
         if self.order and not self.waterfall:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from itertools import starmap
 
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import conditions as where
@@ -18,13 +19,12 @@ from drillpetsc.output.quantities.history import (
     LOWER_END,
     ROW_END,
     ROW_START,
-    TIME,
     TOP_END,
     TOP_TRAVEL,
 )
 from drillpetsc.output.quantities.mud import BORE_ONLY, MUD, MUD_FIELDS, SIDE_FLOW
 from drillpetsc.output.quantities.probes import PROBES, SIDE_FORCES
-from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.quantities.tables import CONDITIONS
 from drillpetsc.output.summary_keys import SUMMARY_KEYS
 from drillpetsc.physics import quantities as physics
 from drillpetsc.unit_systems import System
@@ -44,15 +44,13 @@ class Listed:
 @cache
 def listed_by_file() -> dict[str, tuple[Listed, ...]]:
     """Quantities of each file of a run folder with their conditions, in the order of its columns or arrays."""
-    return _of_motion() | _of_states() | _of_commands()
-
-
-def _mud_at_ends() -> tuple[Listed, ...]:
-    """Pressures and flow rates at the ends of the mud's channels."""
-    return (
-        *_listed(MUD, where.MUD, **dict.fromkeys(BORE_ONLY, where.BORE)),
-        *_listed((SIDE_FLOW,), where.SIDE_NOZZLES),
-    )
+    of_tables = {
+        file: tuple(starmap(Listed, columns.items()))
+        for file, columns in CONDITIONS.items()
+        if file.endswith(".csv") or file.startswith("summary.json")
+    }
+    along_time = {file: of_tables[file] for file in ("sensors/*.csv", "indices.csv", "statics.csv")}
+    return _of_motion() | along_time | {"string/*.vtu": _along_string()} | of_tables
 
 
 def _of_motion() -> dict[str, tuple[Listed, ...]]:
@@ -75,7 +73,8 @@ def _of_motion() -> dict[str, tuple[Listed, ...]]:
             *_listed(physics.STEERING_PUSH[1:], where.STEERS),
             *_listed(LOWER_END, where.STRING),
             *_listed(HOLE, where.BIT, rop=where.DRILLS),
-            *_mud_at_ends(),
+            *_listed(MUD, where.MUD, **dict.fromkeys(BORE_ONLY, where.BORE)),
+            *_listed((SIDE_FLOW,), where.SIDE_NOZZLES),
             *_listed(physics.JOINTS, where.JOINTS),
             *_listed(physics.MUD_MOTOR, where.MUD_MOTOR),
             *_listed(physics.JAR, where.JAR),
@@ -89,127 +88,34 @@ def _of_motion() -> dict[str, tuple[Listed, ...]]:
             *_listed(ROW_START),
             *_listed(PROBES, contact_NNN=where.CONTACT),
         ),
-        "sensors/*.csv": _listed(
-            COLUMNS["sensors"],
-            where.CHANNEL,
-            time="",
-            internal_pressure=f"{where.CHANNEL}, {where.BORE}",
-            annulus_pressure=f"{where.CHANNEL}, {where.ANNULUS}",
-            **dict.fromkeys(
-                ("ax_motion", "ay_motion", "az_motion", "spin_acceleration"),
-                f"{where.CHANNEL}, {where.INDICES}",
-            ),
-        ),
-        "indices.csv": (
-            *_listed((TIME, *COLUMNS["window"])),
-            *_listed(COLUMNS["rotation"], where.STRING),
-            *_listed(COLUMNS["drilling"], where.CAN_DRILL, efficiency=f"{where.CAN_DRILL}, bit_law drag_bit"),
-            *_listed(COLUMNS["whirl"], "probes and a hole"),
-            *_listed(COLUMNS["of_sensor"], where.SENSOR),
-        ),
     }
 
 
-def _of_states() -> dict[str, tuple[Listed, ...]]:
-    """Files of a state: along the string, and the summary of statics."""
-    along_string = (
-        *_listed(_along_string(physics.BIT), where.BIT),
-        *_listed(_along_string(physics.JOINTS), where.JOINTS),
-        *_listed(_along_string(physics.CONTACT), where.CONTACT),
+def _along_string() -> tuple[Listed, ...]:
+    """Arrays of the frames of the string."""
+    conditions = {
+        "md": "",
+        "outer_radius": "",
+        "slope": where.SLOPES,
+        "stress": where.TUBES,
+        "effective_tension": where.MUD_AND_STRING,
+    }
+    along = (
+        *_listed(physics.BIT, where.BIT),
+        *_listed(physics.JOINTS, where.JOINTS),
+        *_listed(physics.CONTACT, where.CONTACT),
     )
-    mud_fields = tuple(
-        Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in MUD_FIELDS
+    return (
+        *_listed(STRING_FIELDS, where.STRING, **conditions),
+        *(entry for entry in along if entry.quantity.on in ("node", "element")),
+        *_listed((HOLE_RADIUS,), where.WELL),
+        *(Listed(q, where.BORE if q.name.startswith("internal") else where.ANNULUS) for q in MUD_FIELDS),
     )
-    return {
-        "statics.csv": _listed(
-            COLUMNS["statics"],
-            where.STRING,
-            md="",
-            internal_pressure=where.BORE,
-            internal_flow=where.BORE,
-            annulus_pressure=where.ANNULUS,
-            annulus_flow=where.ANNULUS,
-            ecd=where.ANNULUS,
-            effective_tension=where.MUD_AND_STRING,
-        ),
-        "string/*.vtu": (
-            *_listed(
-                STRING_FIELDS,
-                where.STRING,
-                md="",
-                outer_radius="",
-                slope=where.SLOPES,
-                stress=where.TUBES,
-                effective_tension=where.MUD_AND_STRING,
-            ),
-            *along_string,
-            *_listed((HOLE_RADIUS,), where.WELL),
-            *mud_fields,
-        ),
-        "summary.json of statics": (
-            *_listed(
-                COLUMNS["static_summary"], where.STRING, hook_load_total=where.BLOCK, top_travel=where.TOP
-            ),
-            *_mud_at_ends(),
-            *_listed(COLUMNS["ecd"], where.ANNULUS),
-        ),
-    }
-
-
-def _of_commands() -> dict[str, tuple[Listed, ...]]:
-    """Files of the other commands."""
-    return {
-        "modes.csv": (*_listed(COLUMNS["modes"]), *_listed(COLUMNS["stokes_number"], where.STOKES)),
-        "campbell.csv": _listed(COLUMNS["campbell"]),
-        "critical.csv": _listed(COLUMNS["critical"]),
-        "critical_map.csv": _listed(COLUMNS["critical_map"], where.STIFFNESS),
-        "stability_map.csv": _listed(COLUMNS["stability_map"]),
-        "stability_boundary.csv": _listed(COLUMNS["stability_boundary"]),
-        "stability_runs.csv": _listed(COLUMNS["stability_runs"]),
-        "response.csv": (*_listed(COLUMNS["response"]), *_listed(COLUMNS["response_stress"], where.STRESS)),
-        "reflection.csv": _listed(COLUMNS["reflection"]),
-        "trajectory.csv": _listed(COLUMNS["trajectory"]),
-        "hydraulics.csv": _listed(COLUMNS["loss_rows"]),
-        "nozzles.csv": _listed(COLUMNS["nozzles"], where.SIDE_NOZZLES),
-        "pressure_profile.csv": _listed(COLUMNS["pressure_profile"]),
-        "flow_curve.csv": _listed(COLUMNS["flow_curve"]),
-        "dial_readings.csv": _listed(COLUMNS["dial_readings"], where.DIAL),
-        "rheology_fits.csv": _listed(COLUMNS["rheology_fits"], where.DIAL),
-        "summary.json of hydraulics": _listed(COLUMNS["hydraulics_summary"]),
-        "surge.csv": _listed(
-            (*COLUMNS["surge"], *COLUMNS["side_surge"], *COLUMNS["dynamic_surge"]),
-            side_flow=where.SIDE_NOZZLES,
-            **dict.fromkeys((q.name for q in COLUMNS["dynamic_surge"]), "with `--dynamic`"),
-        ),
-        "max_trip_speed.csv": _listed(COLUMNS["max_trip_speed"]),
-        "calibration.csv": _listed(COLUMNS["measured"]),
-        "calibration_series.csv": _listed((TIME, *COLUMNS["calibration_series"])),
-        "measured.csv": _listed(COLUMNS["beside"]),
-        "roadmap.csv": _listed(
-            COLUMNS["roadmap"],
-            hook_load_total=where.BLOCK,
-            hook_load_reading=where.DEAD_LINE,
-            ff_groups=where.GROUPS,
-        ),
-        "sensitivities.csv": _listed(COLUMNS["sensitivities"]),
-        "sensitivities_history.csv": _listed((TIME, *COLUMNS["sensitivities_over_time"])),
-        "uncertain.csv": _listed(COLUMNS["uncertain"]),
-        "uncertain_limits.csv": _listed(COLUMNS["uncertain_limits"]),
-        "uncertain_shares.csv": _listed(COLUMNS["uncertain_shares"]),
-        "limits.csv": _listed(
-            COLUMNS["limits"], damage_per_hour="with `--sn`", casing_wear_rate="string that turns in a casing"
-        ),
-        "contacts.csv": _listed(COLUMNS["contacts"]),
-    }
 
 
 def _listed(quantities: tuple[Quantity, ...], condition: str = "", **others: str) -> tuple[Listed, ...]:
     """Quantities with their condition.  others: conditions of single quantities, by name."""
     return tuple(Listed(q, others.get(q.name, condition)) for q in quantities)
-
-
-def _along_string(quantities: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    return tuple(q for q in quantities if q.on in ("node", "element"))
 
 
 @cache

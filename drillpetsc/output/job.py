@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from drillpetsc.case.case import Case
-from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output.files.json_file import write_summary
 from drillpetsc.output.files.run_folder import RunFolder, make_folder, refuse_existing
-from drillpetsc.output.files.tables import Column, Row, write_rows
+from drillpetsc.output.files.tables import Row, write_rows
+from drillpetsc.output.quantities.tables import columns_of
 from drillpetsc.output.shown_units import lengths_shown
-
-FileTable = tuple[str, Sequence[Column | Quantity], Iterable[Row]]  # name of a file, its columns, its rows
 
 
 @dataclass
@@ -64,7 +62,11 @@ class Job:
         return make_folder(self.comm, self.name, self.out, False, self.overwrite)
 
     def result(
-        self, folder: RunFolder, summary: dict[str, Any], lines: list[str], tables: Iterable[FileTable] = ()
+        self,
+        folder: RunFolder,
+        summary: dict[str, Any],
+        lines: list[str],
+        tables: Mapping[str, Iterable[Row]] = {},
     ) -> RunResult:
         """Write case, tables and summary on the first rank, and return the result.
 
@@ -73,8 +75,9 @@ class Job:
         """
         if self.comm.rank == 0:
             folder.write_case(self.case)  # as the user has it; the summary has the operation
-            for name, quantities, rows in tables:
-                write_rows(folder.path / name, quantities, rows)
+            for name, rows in tables.items():
+                rows = list(rows)
+                write_rows(folder.path / name, columns_of(name, rows), rows)
             write_summary(folder.summary, summary)
         word = "WARNING" if "notes" in summary else "note"
         said = [(word, text) for text in summary.get("warnings", ())]

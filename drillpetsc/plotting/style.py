@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -241,18 +241,29 @@ def limits_of_level(values: np.ndarray, noise: bool) -> tuple[float, float] | No
     return float(middle - half), float(middle + half)
 
 
-def level(axes: Any, values: np.ndarray, noise: bool) -> None:
-    """Limit the magnification of a constant or of rounding (``noise``), and switch off axis offsets.
-
-    A power of ten above the axis is at its right end, away from the legend.
-    """
-    axes.ticklabel_format(axis="y", useOffset=False)
-    power = axes.yaxis.get_offset_text()
-    axes.yaxis.set_offset_position("right")
-    power.set_horizontalalignment("right")
+def steady(axes: Any, values: np.ndarray, noise: bool, axis: str = "y") -> None:
+    """Limit the magnification of a constant or of rounding (``noise``), and switch off offsets of an axis."""
+    axes.ticklabel_format(axis=axis, useOffset=False)
     limits = limits_of_level(values, noise)
     if limits is not None:
-        axes.set_ylim(*limits)
+        axes.set(**{f"{axis}lim": limits})
+
+
+def level(axes: Any, values: np.ndarray, noise: bool) -> None:
+    """As ``steady``; a power of ten above the axis is at its right end, away from the legend."""
+    axes.yaxis.set_offset_position("right")
+    axes.yaxis.get_offset_text().set_horizontalalignment("right")
+    steady(axes, values, noise)
+
+
+def save_figures(drawn: Mapping[str, Any], into: Path) -> list[Path]:
+    """Save figures by name as PNG files in a folder; returns the files."""
+    into.mkdir(parents=True, exist_ok=True)
+    files = [into / f"{name}.png" for name in drawn]
+    with look():
+        for file, drawing in zip(files, drawn.values(), strict=True):
+            drawing.savefig(file)
+    return files
 
 
 def contours(axes: Any, at: tuple[Any, Any], values: Any) -> None:

@@ -89,7 +89,7 @@ def _fitted(summary: Mapping[str, Any]) -> list[list[str]]:
 def _flows(summary: Mapping[str, Any], system: System) -> Rows:
     flows = summary.get("flows", ())
     rows = []
-    for q in COLUMNS["hydraulics_summary"]:
+    for q in COLUMNS["summary.json of hydraulics"]:
         values = [flow.get(q.name) for flow in flows]
         if not all(isinstance(value, int | float) or value is None for value in values):
             continue

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -48,47 +48,28 @@ KINDS = {
 }
 
 
-class Sensors(Mapping[str, Any]):
-    """Datasets of the downhole sensors of a run by name, with the coordinate time [s]. Each is read on first use."""
+class Datasets(Mapping[str, Any]):
+    """Datasets by name, of which each is read on first use.
 
-    def __init__(self, result: Result) -> None:
-        self._result = result
+    what: word for them; names: those that there are; read: a dataset from its name.
+    """
 
-    def __getitem__(self, name: str) -> Any:
-        if name not in list(self):
-            raise KeyError(f"{name}: this result has {', '.join(self) or 'no sensors'}")
-        self._result._check_folder()
-        return dataset(read_sensor(self._result.folder, name), SENSOR_TABLE, self._result._title)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(sensor_names(self._result.folder))
-
-    def __len__(self) -> int:
-        return len(sensor_names(self._result.folder))
-
-    def __repr__(self) -> str:
-        return f"<sensors: {', '.join(self) or 'none'}>"
-
-
-class Tables(Mapping[str, Any]):
-    """Tables of a result by name: `history`, `statics`, `hydraulics`, `flow_curve`. Each is read on first use."""
-
-    def __init__(self, result: Result) -> None:
-        self._result = result
+    def __init__(self, what: str, names: Callable[[], list[str]], read: Callable[[str], Any]) -> None:
+        self._what, self._names, self._read = what, names, read
 
     def __getitem__(self, name: str) -> Any:
         if name not in list(self):
-            raise KeyError(f"{name}: this result has {', '.join(self) or 'no tables'}")
-        return self._result._dataset(f"{name}.csv")
+            raise KeyError(f"{name}: this result has {', '.join(self) or f'no {self._what}'}")
+        return self._read(name)
 
     def __iter__(self) -> Iterator[str]:
-        return (file.removesuffix(".csv") for file in self._result._files())
+        return iter(self._names())
 
     def __len__(self) -> int:
-        return len(self._result._files())
+        return len(self._names())
 
     def __repr__(self) -> str:
-        return f"<tables: {', '.join(self) or 'none'}>"
+        return f"<{self._what}: {', '.join(self) or 'none'}>"
 
 
 @dataclass(repr=False)
@@ -117,9 +98,13 @@ class Result(RunResult):
         return str(self.summary.get("status", "done")) if self.summary else "unfinished"
 
     @property
-    def tables(self) -> Tables:
-        """Datasets by the name of their file."""
-        return Tables(self)
+    def tables(self) -> Datasets:
+        """Datasets by the name of their file: `history`, `statics`, `hydraulics`, `flow_curve`."""
+        return Datasets(
+            "tables",
+            lambda: [q.removesuffix(".csv") for q in self._files()],
+            lambda name: self._dataset(f"{name}.csv"),
+        )
 
     @property
     def history(self) -> Any:
@@ -132,9 +117,14 @@ class Result(RunResult):
         return self._dataset("probes.csv")
 
     @property
-    def sensors(self) -> Sensors:
+    def sensors(self) -> Datasets:
         """Datasets of the downhole sensors by name; what the time steps resolve is in `summary["sensors"]`."""
-        return Sensors(self)
+
+        def read(name: str) -> Any:
+            self._check_folder()
+            return dataset(read_sensor(self.folder, name), SENSOR_TABLE, self._title)
+
+        return Datasets("sensors", lambda: sensor_names(self.folder), read)
 
     @property
     def indices(self) -> Any:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case
-from drillpetsc.analysis.linear.doubts import GrowthOfMesh
+from drillpetsc.analysis.linear.doubts import growth_of_mesh
 from drillpetsc.analysis.linear.linearised_model import linearise_model
 from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state, reference_rate
 from drillpetsc.model.drilling_model import build_model
@@ -73,11 +73,11 @@ def test_growth_that_the_mesh_does_not_resolve_is_named():
     found = modes(warned, 110)
     growing = found.frequency[found.growth > 1e-3]
     assert len(growing) and growing.min() > 300.0
-    (text,) = GrowthOfMesh().sentences(moment_of(warned, found))
+    (text,) = growth_of_mesh.sentences(moment_of(warned, found))
     assert f"{growing.min():.4g} Hz" in text
     still = build_model(case("mixed", 100.0))
     prepare_state(still, "rest")
-    assert GrowthOfMesh().sentences(moment_of(still, modes(still, 40))) == []
+    assert growth_of_mesh.sentences(moment_of(still, modes(still, 40))) == []
 
 
 def test_shares_of_energy_where_mud_and_steel_move_against_each_other():

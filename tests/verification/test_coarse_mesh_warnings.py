@@ -10,7 +10,7 @@ import pytest
 from drillpetsc import Case, run, statics
 from drillpetsc.analysis.commands.check import describe
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
-from drillpetsc.doubts.mesh import LongElements, LongElementsAtSupport
+from drillpetsc.doubts import mesh
 from drillpetsc.doubts.moments import Answer
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.measured.bending import end_forces
@@ -46,7 +46,7 @@ def drillstring(element: float | str, inclination: float = 40.0, **keys) -> Case
 def long_elements(model) -> list[str]:
     """Warnings of the present state about elements that are too long."""
     at = Answer(model=model)
-    return LongElements().sentences(at) + LongElementsAtSupport().sentences(at)
+    return mesh.long_elements.sentences(at) + mesh.long_elements_at_support.sentences(at)
 
 
 def beside_stabilizer(case: Case) -> tuple[float, list[str]]:

@@ -12,8 +12,8 @@ import pytest
 
 from drillpetsc import Case, run
 from drillpetsc.analysis.statics.checks.freed_weight import freed_weight
+from drillpetsc.doubts import motion
 from drillpetsc.doubts.moments import Start
-from drillpetsc.doubts.motion import FreedWeight
 from drillpetsc.model.drilling_model import build_model
 
 LENGTH, WEIGHT, ANGLE, FRICTION, WOB = 500.0, 242.0, math.radians(60), 0.3, 5e3
@@ -47,7 +47,7 @@ LATER = {"time": [0.0, 1.0], "value": [0.0, 10.0]}
 def test_the_bit_takes_half_of_the_friction():
     model = build_model(case(rotation=LATER))
     assert freed_weight(model) == pytest.approx(FREED, rel=2e-2)
-    (said,) = FreedWeight().sentences(Start(model=model, freed_weight=freed_weight(model)))
+    (said,) = motion.freed_weight.sentences(Start(model=model, freed_weight=freed_weight(model)))
     assert "5 kN" in said and "about 21 kN" in said
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run
-from drillpetsc.doubts.motion import UnbalancedVolumes
+from drillpetsc.doubts.motion import unbalanced_volumes
 from tests.helpers.wells import newtonian
 
 
@@ -73,6 +73,6 @@ def test_a_balance_that_does_not_close_is_said():
         case=SimpleNamespace(fluid=SimpleNamespace(formulation="hermite")),
         recorder=SimpleNamespace(energy=SimpleNamespace(last_error=-1.2, exchanged=100.0)),
     )
-    (values,) = UnbalancedVolumes().look(end)
+    (values,) = unbalanced_volumes.look(end)
     assert values["percent"] == pytest.approx(1.2)
-    assert "1.2 % of the energy exchanged unbalanced" in UnbalancedVolumes.sentence.format(**values)
+    assert "1.2 % of the energy exchanged unbalanced" in unbalanced_volumes.sentence.format(**values)

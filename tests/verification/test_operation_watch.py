@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drillpetsc import Case, run, statics
-from drillpetsc.doubts.motion import MotorStalls
+from drillpetsc.doubts.motion import motor_stalls
 from drillpetsc.errors import SolveError
 from drillpetsc.output.watches.operation_watch import OperationWatch
 from tests.helpers.wells import simple_well
@@ -128,7 +128,7 @@ def test_a_motor_near_its_stall():
     watch.update(np.array([[0.0, 13e3], [0.1, 13.2e3]]))
 
     def said(w: OperationWatch) -> list[str]:
-        return MotorStalls().sentences(SimpleNamespace(watch=w, units="metric"))
+        return motor_stalls.sentences(SimpleNamespace(watch=w, units="metric"))
 
     assert said(watch) == []
     watch.update(np.array([[0.2, 13.4e3], [0.3, 13.8e3]]))

@@ -10,7 +10,7 @@ from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.doubts.moments import Answer
-from drillpetsc.doubts.place import DeepInWall
+from drillpetsc.doubts.place import deep_in_wall
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.static_table import static_table
@@ -100,13 +100,13 @@ def test_a_note_names_the_item_whose_penetration_is_large():
     """A stabilizer without length sinks into the wall by F/(k od), 0.19 mm or 10 % of its stand-off: its results depend on k.  Below
     3 %, on a wall of 1e10 Pa, nothing is said."""
     model, _ = supported(0.0)
-    (note,) = DeepInWall().sentences(Answer(model=model))
+    (note,) = deep_in_wall.sentences(Answer(model=model))
     assert note.startswith("stabilizer at MD 15 m depends on the wall stiffness")
     depth = support_load() / (STIFFNESS * STABILIZER)
     assert f"by {1e3 * depth:.2g} mm of its radial clearance of {1e3 * STAND_OFF:.2g} mm" in note
     assert depth > 0.03 * STAND_OFF
     hard, _ = supported(0.0, contact={"stiffness": 1e10})
-    assert DeepInWall().sentences(Answer(model=hard)) == []
+    assert deep_in_wall.sentences(Answer(model=hard)) == []
 
 
 def test_depth_of_an_item_is_that_in_the_hole(tmp_path):

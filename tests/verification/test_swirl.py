@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import root
 
 from drillpetsc import Case, run, statics
-from drillpetsc.analysis.linear.doubts import FedBySwirl
+from drillpetsc.analysis.linear.doubts import fed_by_swirl
 from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
@@ -50,7 +50,7 @@ def first_whirls(case: Case) -> np.ndarray:
     m = modes(model, 4, kind="lateral")
     found = m.eigenvalue
     grows = bool((found.real[found.imag > 0] > 1e-6).any())
-    assert bool(FedBySwirl().sentences(moment_of(model, m))) == grows  # the note on whirls that the mud feeds
+    assert bool(fed_by_swirl.sentences(moment_of(model, m))) == grows  # the note on whirls that the mud feeds
     return found[(found.imag > 0) & (found.imag < 10)][:2]
 
 

@@ -13,7 +13,7 @@ from drillpetsc.analysis.motion.transient import run
 from drillpetsc.analysis.motion.whirl_steps import PRODUCT_BDF, WhirlSteps, product_of_alpha
 from drillpetsc.analysis.statics.placement import move_rigidly, place_along_hole, release
 from drillpetsc.case import Case
-from drillpetsc.doubts.motion import WhirlDamped
+from drillpetsc.doubts.motion import whirl_damped
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.solvers.time.alpha_formula import AlphaFormula
@@ -48,7 +48,7 @@ def said(step: float, rpm: float = RPM, **keys) -> list[str]:
     release(model)
     move_rigidly(model)
     found = WhirlSteps(model, PRODUCT_BDF).damped(step, abs(rpm) * np.pi / 30)
-    return WhirlDamped().sentences(SimpleNamespace(whirl=found, units=model.case.shown_units))
+    return whirl_damped.sentences(SimpleNamespace(whirl=found, units=model.case.shown_units))
 
 
 def energy_lost(radii: np.ndarray, angles: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.calibration.estimator import Fit
+from drillpetsc.analysis.calibration.estimator import Fit, Known
 from drillpetsc.analysis.calibration.log_series import LogSeries, log_series
 from drillpetsc.analysis.calibration.of_runs import (
     NextColumn,
@@ -18,9 +18,10 @@ from drillpetsc.analysis.calibration.of_runs import (
     run_of,
     scatter_of,
 )
-from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
+from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined, widths_told
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import CaseError
+from drillpetsc.output import write_table
 from drillpetsc.output.files.run_folder import CALIBRATION_SERIES
 from drillpetsc.output.job import Job, RunResult
 
@@ -29,20 +30,14 @@ UNEXPLAINED = 3.0  # rms of the residuals over the scatter from row to row, from
 
 
 def run_calibrate_log(
-    job: Job, file: str, names: tuple[str, ...], correlated: bool, priors: dict[str, tuple[float, float]]
+    job: Job, file: str, names: tuple[str, ...], correlated: bool, priors: Known
 ) -> RunResult:
     """Fit numbers of the case to a log in time; collective.  Every rank computes the same, the first one writes."""
     case = job.case
     run = run_of(case, job.comm)
     log = log_series(file, case, run.names)
     work = RunCalibration(run, log)
-    named = {name: work.parameter(name).name for name in names}
-    parameters = tuple(dict.fromkeys(named.values()))
-    priors = {named.get(name, name): known for name, known in priors.items()}
-    strange = [name for name in priors if name not in parameters]
-    if strange:
-        want = f"a parameter that is fitted: {', '.join(parameters)}"
-        raise CaseError(at="--prior", got=strange[0], want=want)
+    parameters, priors = work.named(names, priors)
     if len(log.value) <= len(parameters):
         want = f"more than {len(parameters)} readings, as many numbers are fitted"
         raise CaseError(file=log.file, got=f"{len(log.value)} readings", want=want)
@@ -64,8 +59,10 @@ def run_calibrate_log(
         "notes": list(log.notes),
     }
     titles, columns = _table(work, fit, described)
-    tables = [(CALIBRATION_SERIES, titles, zip(*columns, strict=True))]
-    return job.result(job.make_folder(), summary, _lines(work, fit, summary, further), tables)
+    folder = job.make_folder()
+    if job.comm.rank == 0:
+        write_table(folder.path / CALIBRATION_SERIES, titles, columns)
+    return job.result(folder, summary, _lines(work, fit, summary, further))
 
 
 def _table(work: RunCalibration, fit: Fit, units: dict[str, str]) -> tuple[list[tuple[str, str]], list[Any]]:
@@ -134,8 +131,7 @@ def _lines(work: RunCalibration, fit: Fit, summary: dict[str, Any], further: Nex
             f"  {name}: errors alike over {row['alike over [s]']:.3g} s; {row['readings']} readings count as {row['effective']:.3g}"
         )
     if further is not None:
-        widths = (
-            f"{name} to +-{work.parameter(name).shown(w, work.units)}" for name, w in further.widths.items()
+        lines.append(
+            f"  next: a log of {further.column} beside these would determine {widths_told(work, further.widths)}"
         )
-        lines.append(f"  next: a log of {further.column} beside these would determine {', '.join(widths)}")
     return lines

@@ -6,7 +6,7 @@ A subclass has the readings and the model that computes them (manual: sec-soft-s
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Lengths
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter
 from drillpetsc.arrays import FloatArray
-from drillpetsc.errors import SolveError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import System, shown
 
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
@@ -30,6 +30,7 @@ ALIKE, WIDEST_ALIKE = (
 PRIOR_KEPT = 0.8  # share of the prior's interval that is left, above which the points have added nothing
 MOST_EVALUATIONS = 60
 SMALLEST_GAIN = 1e-6  # of the sum of squares [-]
+Known = dict[str, tuple[float, float]]  # mean and standard deviation of parameters, beforehand
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,13 @@ class Fit:
         """The determined parameters."""
         return {name: float(self.value[self.parameters.index(name)]) for name in self.kept}
 
+    @property
+    def readings_alike(self) -> float:
+        """Readings that count as one, because their errors are correlated."""
+        if self.lengths is None:
+            return 1.0
+        return max((n / self.lengths.effective[q] for q, n in self.lengths.count.items()), default=1.0)
+
 
 class Estimator(ABC):
     """Readings beside what a model gives for them.
@@ -85,7 +93,7 @@ class Estimator(ABC):
     noun = "points"
 
     def __init__(self) -> None:
-        self.priors: dict[str, tuple[float, float]] = {}
+        self.priors: Known = {}
         self.readings_alike = 1.0  # readings that count as one, beside a prior
         self.fixed: dict[str, float] = {}  # parameters that have the mean of their prior
 
@@ -129,11 +137,22 @@ class Estimator(ABC):
         return {}
 
     # ------------------------------------------------------------------ fit
+    def named(self, names: Iterable[str], priors: Known) -> tuple[tuple[str, ...], Known]:
+        """Parameters and priors by the parameters' own names, each once; raises CaseError for a prior of another parameter."""
+        own = {name: self.parameter(name).name for name in names}
+        parameters = tuple(dict.fromkeys(own.values()))
+        priors = {own.get(name, name): known for name, known in priors.items()}
+        for name in priors:
+            if name not in parameters:
+                want = f"a parameter that is fitted: {', '.join(parameters)}"
+                raise CaseError(at="--prior", got=name, want=want)
+        return parameters, priors
+
     def fit(
         self,
         parameters: tuple[str, ...],
         correlated: bool = False,
-        priors: dict[str, tuple[float, float]] | None = None,
+        priors: Known | None = None,
     ) -> Fit:
         """Fit parameters; those that the points do not determine are nan, with the reason.
 
@@ -142,11 +161,7 @@ class Estimator(ABC):
         priors = priors or {}
         self.priors, self.readings_alike, self.fixed = priors, 1.0, {}
         if priors and correlated:  # readings that say the same must not outvote what is known beforehand
-            first = self.fit(parameters, correlated=True)
-            if first.lengths is not None:
-                self.readings_alike = max(
-                    n / first.lengths.effective[q] for q, n in first.lengths.count.items()
-                )
+            self.readings_alike = self.fit(parameters, correlated=True).readings_alike
             self.priors, self.fixed = priors, {}
         reasons = {
             name: why for name, why in self._not_identifiable(parameters).items() if name not in priors

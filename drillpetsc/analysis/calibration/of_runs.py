@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from drillpetsc.analysis.calibration.estimator import SMALLEST_SPREAD, SOFT_SCALE, Estimator, Fit, Readings
+from drillpetsc.analysis.calibration.estimator import (
+    SMALLEST_SPREAD,
+    SOFT_SCALE,
+    Estimator,
+    Fit,
+    Known,
+    Readings,
+)
 from drillpetsc.analysis.calibration.log_series import SMALLEST_SHARE, LogSeries
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import NEGLIGIBLE, Lengths
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter, parameter_of
@@ -260,7 +267,7 @@ def fit_run(
     work: RunCalibration,
     parameters: tuple[str, ...],
     correlated: bool,
-    priors: dict[str, tuple[float, float]],
+    priors: Known,
 ) -> Fit:
     """Fit parameters, and once more with the errors that the residuals show."""
     until, column, name = work.known_until({}, parameters)
@@ -313,9 +320,6 @@ def next_column(work: RunCalibration, fit: Fit) -> NextColumn | None:
         return None
     names = [*fit.kept, *missing]
     series = work.followed(work.fixed | fit.best, names, more)
-    alike = 1.0
-    if fit.lengths is not None:
-        alike = max((n / fit.lengths.effective[q] for q, n in fit.lengths.count.items()), default=1.0)
     known = (
         np.array([work._at_log(series, series.slopes[:, :, k]) for k in range(len(names))]) / work.data.sigma
     )
@@ -327,7 +331,7 @@ def next_column(work: RunCalibration, fit: Fit) -> NextColumn | None:
             continue
         slopes = [np.interp(times, series.times, series.slopes[:, j, k]) for k in range(len(names))]
         new = np.array(slopes) / (SMALLEST_SHARE * np.ptp(value))
-        power = (known @ known.T + new @ new.T) / alike
+        power = (known @ known.T + new @ new.T) / fit.readings_alike
         size = np.array([work.parameter(name).bounds[1] - work.parameter(name).bounds[0] for name in names])
         scaled = power * np.outer(size, size)
         if np.linalg.cond(scaled) > 1e12:

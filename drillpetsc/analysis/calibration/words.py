@@ -54,6 +54,11 @@ def _status(fit: Fit, name: str) -> str:
     return "prior kept" if name in fit.priors else "determined"
 
 
+def widths_told(work: Estimator, widths: dict[str, float]) -> str:
+    """Half widths [SI] by parameter, as they are expected."""
+    return ", ".join(f"{name} to +-{work.parameter(name).shown(w, work.units)}" for name, w in widths.items())
+
+
 def lines_of_fit(work: Estimator, fit: Fit) -> list[str]:
     """Parameters with their intervals, the misfit and the correlations."""
     system, lines = work.units, list[str]()

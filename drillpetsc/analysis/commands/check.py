@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.analysis.commands.rank_model import rank_lines, step_counts
 from drillpetsc.analysis.commands.string_figures import figure_lines, short_figure_lines
-from drillpetsc.analysis.hydraulics.doubts import OfCase, WindowInMeasuredDepth
+from drillpetsc.analysis.hydraulics.doubts import OfCase, window_in_measured_depth
 from drillpetsc.analysis.hydraulics.open_hole import open_hole
 from drillpetsc.analysis.loads.torque_drag.operations import Pair, pairs_of, plan_of, strings_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import partly_filled
@@ -60,7 +60,7 @@ def _window(case: Case) -> list[str]:
         open_hole(case, window)
     except CaseError as error:
         lines.append(_refused("hydraulics and surge refuse the window", error))
-    return lines + [f"WARNING: {text}" for text in WindowInMeasuredDepth().sentences(OfCase(case))]
+    return lines + [f"WARNING: {text}" for text in window_in_measured_depth.sentences(OfCase(case))]
 
 
 def _roadmap(case: Case) -> list[str]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from drillpetsc.doubts.doubt import Doubt
+from drillpetsc.doubts.doubt import Values, doubt
 from drillpetsc.unit_systems import System
 
 
@@ -23,27 +22,21 @@ class Imported:
     units: System = "SI"
 
 
-class NoPoints(Doubt):
+@doubt(
+    "the log makes no points for calibrate: {why}",
+    "Give `--case`, whose string tells slips; a part of the log with trips, drilling or rotation off bottom (`--between`); "
+    "or shorter points (`--every`).",
+)
+def no_points(at: Imported) -> Values:
     """No spell of the log makes a point, so there is nothing to calibrate with (manual: guide-logs)."""
-
-    about = (Imported,)
-    sentence = "the log makes no points for calibrate: {why}"
-    remedy = (
-        "Give `--case`, whose string tells slips; a part of the log with trips, drilling or rotation off bottom (`--between`); "
-        "or shorter points (`--every`)."
-    )
-
-    def look(self, at: Imported) -> Iterable[dict[str, Any]]:
-        if at.points:
-            return
-        moving = [word for word in ("trip_in", "trip_out", "backream") if word in at.states]
-        some = [word for word in (*moving, "drilling", "slide", "rotate_off") if word in at.states]
-        if not some:
-            why = "no row trips, drills or rotates off bottom"
-        elif some == moving and not at.block:
-            why = "trips need the hook load in slips, which is not known"
-        else:
-            why = (
-                f"spells of {', '.join(some)} are too short or too slow, or have neither hook load nor torque"
-            )
-        yield {"why": why}
+    if at.points:
+        return
+    moving = [word for word in ("trip_in", "trip_out", "backream") if word in at.states]
+    some = [word for word in (*moving, "drilling", "slide", "rotate_off") if word in at.states]
+    if not some:
+        why = "no row trips, drills or rotates off bottom"
+    elif some == moving and not at.block:
+        why = "trips need the hook load in slips, which is not known"
+    else:
+        why = f"spells of {', '.join(some)} are too short or too slow, or have neither hook load nor torque"
+    yield {"why": why}

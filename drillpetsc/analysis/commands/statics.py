@@ -24,9 +24,9 @@ from drillpetsc.errors import CaseError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
-from drillpetsc.output import FieldWriter
+from drillpetsc.output import FieldWriter, write_table
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.static_table import static_table
@@ -82,9 +82,10 @@ def run_statics(
         if comm.rank == 0:
             if fields is not None:
                 FieldWriter(folder.path).write(0.0, *fields)
+            if values is not None:
+                write_table(folder.statics, columns, list(values.T))
             write_well_files(model, folder)
-    tables: list[FileTable] = [] if values is None else [(folder.statics.name, columns, values.tolist())]
-    return job.result(folder, summary, _lines(given, state, summary), tables)
+    return job.result(folder, summary, _lines(given, state, summary))
 
 
 def question_of(

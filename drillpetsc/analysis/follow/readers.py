@@ -66,50 +66,30 @@ class Reader(Protocol):
         """Continue where another process stopped."""
 
 
-class _Lines:
+class _Lines(LogStream):
     """Bytes of a source as lines, and lines as rows; a line that is half written waits for its end."""
 
     ended, trouble = False, ""
 
     def __init__(self, source: str, mapping: dict[str, tuple[str, str]]) -> None:
-        self.stream = LogStream(source, mapping)
+        super().__init__(source, mapping)
         self._rest = b""
         self._encoding = "utf-8-sig"
-
-    @property
-    def titles(self) -> dict[str, str]:
-        """Channel -> title of its column."""
-        return self.stream.titles
-
-    @property
-    def start(self) -> datetime | None:
-        """Clock time of the first row."""
-        return self.stream.start
-
-    @property
-    def left_out(self) -> Mapping[str, int]:
-        """Reason -> rows."""
-        return self.stream.left_out
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What was assumed about the columns, and which of them are not used."""
-        return self.stream.remarks
 
     def position(self) -> dict[str, Any]:
         """Lines read, and the time of the last row, which counts from the clock time ``start``."""
         start = None if self.start is None else self.start.isoformat()
-        return {"lines": self.stream.lines, "last": self.stream.last, "start": start}
+        return {"lines": self.lines, "last": self.last, "start": start}
 
     def _rows(self, new: bytes) -> Log | None:
         whole, mark, self._rest = (self._rest + new).rpartition(b"\n")
-        return self.stream.rows(self._text(whole).splitlines()) if mark else None
+        return self.rows(self._text(whole).splitlines()) if mark else None
 
     def _end(self) -> Log | None:
         """The row of a last line without an end."""
         self.ended = True
         lines, self._rest = self._text(self._rest).splitlines(), b""
-        return self.stream.rows(lines) if lines else None
+        return self.rows(lines) if lines else None
 
     def _text(self, line: bytes) -> str:
         text = line.decode(self._encoding, errors="replace")
@@ -122,7 +102,7 @@ class FileReader(_Lines):
 
     def __init__(self, name: str, mapping: dict[str, tuple[str, str]], waits: bool) -> None:
         super().__init__(name, mapping)
-        self.name, self.waits = name, waits
+        self.waits = waits
         if not Path(name).is_file():
             want = f"a log that exists, - for standard input, or one of {', '.join(_kinds())}"
             raise CaseError(at="--log", got=name, want=want)
@@ -138,16 +118,16 @@ class FileReader(_Lines):
 
     def go_on_from(self, position: dict[str, Any]) -> None:
         """Skip the lines that were read."""
-        while self.stream.lines < position["lines"] and not self.ended:
+        while self.lines < position["lines"] and not self.ended:
             new = os.read(self._file, CHUNK)
             lines = (self._rest + new).split(b"\n")
-            missing = position["lines"] - self.stream.lines
-            self.stream.rows([self._text(q) for q in lines[:-1][:missing]])
+            missing = position["lines"] - self.lines
+            self.rows([self._text(q) for q in lines[:-1][:missing]])
             self._rest = b"\n".join(lines[min(missing, len(lines) - 1) :])
             if not new:
                 raise CaseError(
                     at="--log",
-                    got=f"{self.name}, {self.stream.lines} lines",
+                    got=f"{self.name}, {self.lines} lines",
                     want=f"the log that was followed: {position['lines']} lines",
                 )
 
@@ -171,7 +151,7 @@ class InputReader(_Lines):
             raise CaseError(
                 at="--restart", got="a log by depth from standard input", want="a log by time, or a file"
             )
-        self.stream.go_on(position["last"], position["start"])
+        self.go_on(position["last"], position["start"])
 
 
 class WitsReader(_Lines):
@@ -212,9 +192,9 @@ class WitsReader(_Lines):
             self._socket.close()
             self._socket, self._rest, self.ended = None, b"", not self.waits
             self.trouble = "the server has closed the connection" if self.waits else ""
-            return self.stream.rows(self._frames.finish())
+            return self.rows(self._frames.finish())
         whole, mark, self._rest = (self._rest + new).rpartition(b"\n")
-        return self.stream.rows(self._frames.lines(self._text(whole).splitlines())) if mark else None
+        return self.rows(self._frames.lines(self._text(whole).splitlines())) if mark else None
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -223,7 +203,7 @@ class WitsReader(_Lines):
             "frames without a date and time have the time of their arrival, in UTC": self._frames.without_clock,
             "frames whose clock jumped ahead and back were left out": self._frames.ahead,
         }
-        return (*self.stream.remarks, *(f"{count} {what}" for what, count in counts.items() if count))
+        return (*super().remarks, *(f"{count} {what}" for what, count in counts.items() if count))
 
     def _connect(self) -> None:
         """Connect again, once every two seconds."""
@@ -238,7 +218,7 @@ class WitsReader(_Lines):
 
     def go_on_from(self, position: dict[str, Any]) -> None:
         """Leave out rows that are not newer than the last one."""
-        self.stream.go_on(position["last"], position["start"])
+        self.go_on(position["last"], position["start"])
 
 
 class WitsmlReader(_Lines):
@@ -271,13 +251,13 @@ class WitsmlReader(_Lines):
         if rows and (self._store.more or not self.waits):
             self._next_try = 0.0
         self.ended = not rows and not self.waits
-        return self.stream.rows(rows) if rows else None
+        return self.rows(rows) if rows else None
 
     def _new(self, table: DataTable) -> list[str]:
         """Lines of the rows beyond the last index, with the columns of the first answer."""
         if not self._titles:
             self._titles = table.titles
-            self.stream.begin(table.titles, table.headings, table.null)
+            self.begin(table.titles, table.headings, table.null)
         places = [table.titles.index(name) if name in table.titles else -1 for name in self._titles]
         last, lines = place_of(self._index), []
         asked = bool(self._index)  # the row that was asked from comes again
@@ -308,7 +288,7 @@ class WitsmlReader(_Lines):
     @property
     def remarks(self) -> tuple[str, ...]:
         """Also what the store did beside answering with new rows."""
-        said = [*self.stream.remarks]
+        said = [*super().remarks]
         if self._store.unsafe:
             said.append("user and password went to the store unencrypted: https keeps them secret")
         if self._failures:
@@ -327,7 +307,7 @@ class WitsmlReader(_Lines):
         """Ask from the last row on."""
         self._index, self._unit = position["index"], position["unit"]
         if position["last"] is not None:
-            self.stream.go_on(position["last"], position["start"])
+            self.go_on(position["last"], position["start"])
 
 
 class WholeReader:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,18 @@ from drillpetsc.analysis.follow.state import State
 from drillpetsc.output.files.tables import header
 
 READINGS = (("hook_load", "N"), ("torque", "N m"), ("pump_pressure", "Pa"))
+#: name, unit and place in an update of the first columns
+_LOAD = (
+    ("row", "-", "number"),
+    ("time", "s", "reading.time"),
+    ("bit_depth", "m", "reading.load.bit_depth"),
+    ("operation", "-", "reading.load.operation"),
+    ("wob", "N", "reading.load.wob"),
+    ("torque_on_bit", "N m", "reading.load.torque_on_bit"),
+    ("rotation", "rad/s", "reading.load.rotation"),
+    ("velocity", "m/s", "reading.load.velocity"),
+    ("flow_rate", "m3/s", "reading.load.flow"),
+)
 
 
 class UpdateTable:
@@ -45,53 +58,27 @@ class UpdateTable:
 def columns_of(states: Sequence[State]) -> list[tuple[str, str]]:
     """(name, unit) of the columns."""
     units = {"block_weight": "N", "running_drag": "N s/m", "bit_torque": "m", "hook_error": "N"}
-    columns = [
-        ("row", "-"),
-        ("time", "s"),
-        ("bit_depth", "m"),
-        ("operation", "-"),
-        ("wob", "N"),
-        ("torque_on_bit", "N m"),
+    return [
+        *((name, unit) for name, unit, _ in _LOAD),
+        *((name + end, unit) for name, unit in READINGS for end in ("", "_forecast", "_sd")),
+        *((q.name + end, units.get(q.name, "-")) for q in states for end in ("", "_sd")),
+        ("ahead_bit_depth", "m"),
+        *((f"ahead_{name}{end}", unit) for name, unit in READINGS[:2] for end in ("", "_sd")),
+        *((f"{model}_{name}", unit) for model in ("soft", "stiff") for name, unit in READINGS[:2]),
+        *(("taught", "-"), ("alarm", "-")),
     ]
-    columns += [("rotation", "rad/s"), ("velocity", "m/s"), ("flow_rate", "m3/s")]
-    for name, unit in READINGS:
-        columns += [(name, unit), (f"{name}_forecast", unit), (f"{name}_sd", unit)]
-    for state in states:
-        columns += [
-            (state.name, units.get(state.name, "-")),
-            (f"{state.name}_sd", units.get(state.name, "-")),
-        ]
-    columns += [("ahead_bit_depth", "m")]
-    for name, unit in READINGS[:2]:
-        columns += [(f"ahead_{name}", unit), (f"ahead_{name}_sd", unit)]
-    for model in ("soft", "stiff"):
-        columns += [(f"{model}_{name}", unit) for name, unit in READINGS[:2]]
-    return [*columns, ("taught", "-"), ("alarm", "-")]
 
 
 def _cells(update: Update) -> list[Any]:
-    row, load = update.reading, update.reading.load
-    cells: list[Any] = [
-        update.number,
-        row.time,
-        load.bit_depth,
-        load.operation,
-        load.wob,
-        load.torque_on_bit,
-    ]
-    cells += [load.rotation, load.velocity, load.flow]
+    cells = [attrgetter(path)(update) for _, _, path in _LOAD]
     for name, _ in READINGS:
         error = update.forecast.get(name)
-        cells += [getattr(row, name), *([math.nan] * 2 if error is None else [error.forecast, error.sd])]
-    for mean, sd in zip(update.belief.mean, update.belief.sd, strict=True):
-        cells += [mean, sd]
-    ahead = update.ahead
-    cells += (
-        [math.nan] * 5
-        if ahead is None
-        else [ahead.bit_depth, *np.column_stack([ahead.mean, ahead.sd]).ravel()]
-    )
-    both = update.compared
+        forecast = [math.nan] * 2 if error is None else [error.forecast, error.sd]
+        cells += [getattr(update.reading, name), *forecast]
+    cells += np.column_stack([update.belief.mean, update.belief.sd]).ravel().tolist()
+    ahead, both = update.ahead, update.compared
+    found = [] if ahead is None else [ahead.bit_depth, *np.column_stack([ahead.mean, ahead.sd]).ravel()]
+    cells += found or [math.nan] * 5
     cells += [math.nan] * 4 if both is None else [*both.soft.tolist(), *both.stiff.tolist()]
     cells = [f"{q:.9g}" if isinstance(q, float) else q for q in cells]
     return [*cells, int(update.taught), "; ".join(q.kind for q in update.alarms)]

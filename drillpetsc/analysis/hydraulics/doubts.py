@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -18,12 +16,10 @@ from drillpetsc.analysis.hydraulics.open_hole import (
 )
 from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.plausible.plausible_string import short_of_hole
-from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
+from drillpetsc.doubts.doubt import CaseMoment, Values, doubt, remark
 from drillpetsc.doubts.moments import Flowing
 from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
-
-Values = Iterable[dict[str, Any]]
 
 BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
 SHORT = 1e-3  # distance of the string's end from the end of the hole that is reported [m]
@@ -79,100 +75,55 @@ class TripPlan(OfCase):
 
 
 # ---------------------------------------------------------------------- warnings
-class BelowVacuum(Doubt):
+@doubt(
+    "the pressure in the {channel} falls to {pressure:pressure 3} gauge at MD {md:length 6}, below a vacuum: the mud would part "
+    "there, and pressures and flow are not valid",
+    "Trip more slowly, fill the pipe, or pump more.",
+)
+def below_vacuum(at: Pumped | Tripped) -> Values:
     """The pressure of the mud falls below a vacuum: the mud would part there."""
-
-    about = (Pumped, Tripped)
-    sentence = (
-        "the pressure in the {channel} falls to {pressure:pressure 3} gauge at MD {md:length 6}, below a vacuum: the mud would part "
-        "there, and pressures and flow are not valid"
-    )
-    remedy = "Trip more slowly, fill the pipe, or pump more."
-
-    def look(self, at: Any) -> Values:
-        for channel in ("bore", "annulus"):
-            pressure = at.flow.pressure(channel)
-            if pressure is not None and pressure.min() < VAPOUR_PRESSURE:
-                k = int(np.argmin(pressure))
-                yield {"channel": channel, "pressure": float(pressure[k]), "md": float(at.flow.md[k])}
+    for channel in ("bore", "annulus"):
+        pressure = at.flow.pressure(channel)
+        if pressure is not None and pressure.min() < VAPOUR_PRESSURE:
+            k = int(np.argmin(pressure))
+            yield {"channel": channel, "pressure": float(pressure[k]), "md": float(at.flow.md[k])}
 
 
-class BlendOverstates(Doubt):
+@doubt(
+    "rheology.law: blend overstates the annulus friction of this mud by {percent:.0f} % here (yield stress, slow flow); rheology: "
+    "{{law: exact}} does not",
+    "Use `rheology: {law: exact}`.",
+)
+def blend_overstates(at: Pumped | Tripped) -> Values:
     """The blended law of friction is too high for a slow flow of mud with a yield stress."""
-
-    about = (Pumped, Tripped)
-    sentence = (
-        "rheology.law: blend overstates the annulus friction of this mud by {percent:.0f} % here (yield stress, slow flow); rheology: "
-        "{{law: exact}} does not"
-    )
-    remedy = "Use `rheology: {law: exact}`."
-
-    def look(self, at: Any) -> Values:
-        if at.excess > BLEND_EXCESS:
-            yield {"percent": 100 * at.excess}
+    return at.excess > BLEND_EXCESS and {"percent": 100 * at.excess}
 
 
-class OutsideWindow(Doubt):
+@doubt(
+    "the pressure passes the window: {limit}",
+    "Change mud weight, rheology or flow rate, or set casing deeper.",
+)
+def outside_window(at: Pumped) -> Values:
     """The pressure in the open hole passes the pore or the fracture pressure."""
-
-    about = (Pumped,)
-    sentence = "the pressure passes the window: {limit}"
-    remedy = "Change mud weight, rheology or flow rate, or set casing deeper."
-
-    def look(self, at: Pumped) -> Values:
-        if at.limited not in (WITHIN, NOT_CHECKED):
-            yield {"limit": at.limited}
+    return at.limited not in (WITHIN, NOT_CHECKED) and {"limit": at.limited}
 
 
-class WindowInMeasuredDepth(Doubt):
+@doubt(
+    "window.tvd ends at {end:length 5}, the measured depth of the hole, whose end is at TVD {tvd:length 5}: are these measured "
+    "depths?",
+    "Give the depths of the window as vertical depths.",
+)
+def window_in_measured_depth(at: PumpedString) -> Values:
     """The table of the window ends at the measured depth of the hole, which its vertical depth does not reach."""
-
-    about = (PumpedString,)
-    sentence = (
-        "window.tvd ends at {end:length 5}, the measured depth of the hole, whose end is at TVD {tvd:length 5}: are these measured "
-        "depths?"
-    )
-    remedy = "Give the depths of the window as vertical depths."
-
-    def look(self, at: OfCase) -> Values:
-        case, window = at.case, at.case.window
-        if window is None or window.tvd is None or case.well is None:
-            return
-        end = float(case.well.survey.md[-1])
-        tvd = float(vertical_depth(case, np.array([end]))[0])
-        if abs(window.tvd[-1] - end) <= 1e-3 * end and tvd <= 0.98 * end:
-            yield {"end": end, "tvd": tvd}
+    case, window = at.case, at.case.window
+    if window is None or window.tvd is None or case.well is None:
+        return None
+    end = float(case.well.survey.md[-1])
+    tvd = float(vertical_depth(case, np.array([end]))[0])
+    return abs(window.tvd[-1] - end) <= 1e-3 * end and tvd <= 0.98 * end and {"end": end, "tvd": tvd}
 
 
 # ---------------------------------------------------------------------- remarks of hydraulics
-def _side_names(at: PumpedString) -> dict[str, str] | None:
-    side, string = at.flow.fluid.side, at.flow.string
-    if side is None:
-        return None
-    names = [at.case.string[string.number[n]].name for link in side.links for n, _ in link.items]
-    return {"names": ", ".join(names)}
-
-
-def _motor(at: PumpedString) -> dict[str, str] | None:
-    found = motor_item(at.case)
-    if found is None:
-        return None
-    side = at.flow.fluid.side is not None
-    more = ", and sends more mud through the nozzles above it" if side else ""
-    return {"name": found[1].name, "more": more}
-
-
-def _rigid_below(at: PumpedString) -> dict[str, str] | None:
-    string = at.case.string
-    last = max(i for i, item in enumerate(string) if isinstance(item, Flexible))
-    names = [item.name for item in string[last + 1 :] if item.length > 0]
-    return {"names": ", ".join(names)} if names else None
-
-
-def _above_end(at: PumpedString) -> dict[str, float] | None:
-    if at.end is None or at.end - at.flow.string.depth <= SHORT or short_of_hole(at.case):
-        return None
-    return {"md": at.flow.string.depth, "above": at.end - at.flow.string.depth}
 
 
 def _nothing_open(hole: OpenHole | None) -> bool:
@@ -190,11 +141,19 @@ remark(
     "without friction",
     lambda at: at.flow.string.top > SHORTEST_PIECE and {"top": at.flow.string.top},
 )
-remark(
-    PumpedString,
-    "nozzles above the bit, at the upper ends of their items: {names}; their loss has the bit's discharge coefficient",
-    _side_names,
+
+
+@doubt(
+    "nozzles above the bit, at the upper ends of their items: {names}; their loss has the bit's discharge coefficient"
 )
+def side_names(at: PumpedString) -> Values:
+    side, string = at.flow.fluid.side, at.flow.string
+    if side is None:
+        return None
+    names = [at.case.string[string.number[n]].name for link in side.links for n, _ in link.items]
+    return {"names": ", ".join(names)}
+
+
 remark(
     PumpedString,
     "fluid.check_valve is at the bit: mud can flow into the string through the nozzles above it",
@@ -210,22 +169,44 @@ remark(
     "no nozzles: the string ends open, without a loss; jet velocity, impact and power are absent",
     lambda at: at.flow.fluid.bit is not None and at.flow.fluid.bit.has_link and not at.flow.fluid.bit.end.nozzle,
 )  # fmt: skip
-remark(
-    PumpedString,
-    "{name}: the motor's pressure is its no-load pressure; torque on bit raises it and the pump pressure{more} (statics and runs count it)",
-    _motor,
+
+
+@doubt(
+    "{name}: the motor's pressure is its no-load pressure; torque on bit raises it and the pump pressure{more} (statics and runs count it)"
 )
-remark(PumpedString, "no friction along the rigid items below the last pipe: {names}", _rigid_below)
+def motor(at: PumpedString) -> Values:
+    found = motor_item(at.case)
+    if found is None:
+        return None
+    side = at.flow.fluid.side is not None
+    more = ", and sends more mud through the nozzles above it" if side else ""
+    return {"name": found[1].name, "more": more}
+
+
+@doubt("no friction along the rigid items below the last pipe: {names}")
+def rigid_below(at: PumpedString) -> Values:
+    string = at.case.string
+    last = max(i for i, item in enumerate(string) if isinstance(item, Flexible))
+    names = [item.name for item in string[last + 1 :] if item.length > 0]
+    return {"names": ", ".join(names)} if names else None
+
+
 remark(
     PumpedString,
     "mud without cuttings: their weight and volume are not in the pressures and densities of the annulus",
     lambda at: at.case.formation is not None,
 )
-remark(
-    PumpedString,
-    "the string ends at MD {md:length 6}, {above:length 6} above the end of the hole; the mud below it stands still",
-    _above_end,
+
+
+@doubt(
+    "the string ends at MD {md:length 6}, {above:length 6} above the end of the hole; the mud below it stands still"
 )
+def above_end(at: PumpedString) -> Values:
+    if at.end is None or at.end - at.flow.string.depth <= SHORT or short_of_hole(at.case):
+        return None
+    return {"md": at.flow.string.depth, "above": at.end - at.flow.string.depth}
+
+
 remark(
     PumpedString,
     "no annulus: no densities, and the mud leaves at the string's lower end",

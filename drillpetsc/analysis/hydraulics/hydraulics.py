@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,7 +52,7 @@ from drillpetsc.output.files.run_folder import (
     PROFILE_TABLE,
     READINGS_TABLE,
 )
-from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
@@ -201,7 +201,7 @@ class Hydraulics:
     def _profile(self) -> dict[str, FloatArray]:
         flow = self.flow
         n = len(flow.md)
-        out = {q.name: np.full(n, np.nan) for q in COLUMNS["pressure_profile"] if q.name != "pump_flow"}
+        out = {q.name: np.full(n, np.nan) for q in COLUMNS[PROFILE_TABLE] if q.name != "pump_flow"}
         out["md"], out["tvd"] = flow.md, flow.tvd
         for name, column in (("bore", "internal"), ("annulus", "annulus")):
             pressure, component = flow.pressure(name), getattr(flow.fluid, name)
@@ -248,7 +248,7 @@ def flow_figures(
     """
     case = flow.case
     sums = balance(flow)
-    out: Numbers = {q.name: None for q in COLUMNS["hydraulics_summary"]}
+    out: Numbers = {q.name: None for q in COLUMNS["summary.json of hydraulics"]}
     out |= {k: v for k, v in sums.items() if k in out}
     out["pump_flow"] = rate
     out["bit_pressure"] = flow.bottom_pressure()
@@ -349,46 +349,39 @@ def run_hydraulics(
 def _curve_row(hydraulics: Hydraulics, rate: float) -> Numbers:
     flow = hydraulics.flow
     flow.solve(float(rate))
-    out: Numbers = {q.name: None for q in COLUMNS["flow_curve"]} | balance(flow)
+    out: Numbers = {q.name: None for q in COLUMNS[FLOW_CURVE_TABLE]} | balance(flow)
     out |= {"pump_flow": float(rate), "bit_pressure": flow.bottom_pressure()}
     return out | (hydraulics.densities() if flow.fluid.annulus is not None else {})
 
 
-def _tables(case: Case, results: list[FlowResult], curve: list[Numbers]) -> Iterator[FileTable]:
-    """The files of all flow rates."""
+def _tables(
+    case: Case, results: list[FlowResult], curve: list[Numbers]
+) -> dict[str, Iterable[dict[str, Any] | tuple[Any, ...]]]:
+    """Rows of the files of all flow rates."""
     renamed = {"from": "upper", "to": "lower", "mean_velocity": "velocity"}
-    rows = [
-        [
-            r.flow_rate if q.name == "pump_flow" else getattr(row, renamed.get(q.name, q.name))
-            for q in COLUMNS["loss_rows"]
-        ]
-        for r in results
-        for row in r.rows
-    ]
-    yield LOSS_TABLE, COLUMNS["loss_rows"], rows
-    if results[0].nozzles:
-        yield NOZZLE_TABLE, COLUMNS["nozzles"], [row for r in results for row in r.nozzles]
-    profiles = ({**r.profile, "pump_flow": np.full(len(r.profile["md"]), r.flow_rate)} for r in results)
-    yield (
-        PROFILE_TABLE,
-        COLUMNS["pressure_profile"],
-        [
-            row
-            for p in profiles
-            for row in zip(*(p[q.name] for q in COLUMNS["pressure_profile"]), strict=True)
+    names = [q.name for q in COLUMNS[LOSS_TABLE]]
+    tables: dict[str, Iterable[dict[str, Any] | tuple[Any, ...]]] = {
+        LOSS_TABLE: [
+            tuple(r.flow_rate if q == "pump_flow" else getattr(row, renamed.get(q, q)) for q in names)
+            for r in results
+            for row in r.rows
         ],
-    )
+        PROFILE_TABLE: [
+            dict(zip([*r.profile, "pump_flow"], [*row, r.flow_rate], strict=True))
+            for r in results
+            for row in zip(*r.profile.values(), strict=True)
+        ],
+        FLOW_CURVE_TABLE: curve,
+    }
+    if results[0].nozzles:
+        tables[NOZZLE_TABLE] = [row for r in results for row in r.nozzles]
     rheology = case.given_fluid.rheology
     mud = rheology_fits.readings(rheology)
     if mud is not None:
-        yield (
-            READINGS_TABLE,
-            COLUMNS["dial_readings"],
-            zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True),
-        )
-        fits = [vars(f) | {"used": "yes" if f.used else "no"} for f in rheology_fits.fits(rheology)]
-        yield FITS_TABLE, COLUMNS["rheology_fits"], fits
-    yield FLOW_CURVE_TABLE, COLUMNS["flow_curve"], curve
+        tables[READINGS_TABLE] = zip(mud.speed, mud.rate, mud.reading, mud.stress, strict=True)
+        fits = rheology_fits.fits(rheology)
+        tables[FITS_TABLE] = [vars(f) | {"used": "yes" if f.used else "no"} for f in fits]
+    return tables
 
 
 def _summary(case: Case, hydraulics: Hydraulics, results: list[FlowResult]) -> dict[str, Any]:
@@ -422,7 +415,7 @@ def _nozzle_lines(results: list[FlowResult], system: System) -> list[str]:
     """A line for each group of nozzles and flow rate; nothing without nozzles above the bit."""
     if not results[0].nozzles:
         return []
-    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in COLUMNS["nozzles"] if q.name != "item"]
+    shown = [(q, *shown_unit(q.name, q.unit, system)) for q in COLUMNS[NOZZLE_TABLE] if q.name != "item"]
     lines = [
         "  Nozzles: "
         + ", ".join(f"{q.label.lower()} [{unit}]" if unit else q.label.lower() for q, _, unit in shown)
@@ -444,7 +437,7 @@ def _lines(case: Case, results: list[FlowResult], summary: dict[str, Any]) -> li
     ]
     for first in range(0, len(results), PER_BLOCK):
         block = results[first : first + PER_BLOCK]
-        for q in COLUMNS["hydraulics_summary"]:
+        for q in COLUMNS["summary.json of hydraulics"]:
             values = [result.summary[q.name] for result in block]
             if all(value is None for value in values) or (
                 q in (*COLUMNS["losses"], *COLUMNS["levels"]) and not any(values)

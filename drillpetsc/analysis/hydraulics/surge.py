@@ -41,7 +41,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.fluid import build_rheology
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SURGE_TABLE, TRIP_SPEED_TABLE
-from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
@@ -211,8 +211,9 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
     flow = _pump_rate(case, plan, notes) if "pumping" in plan.pipes else 0.0
     top = whole_string(case).top
     notes += doubts_at(TripPlan(case, plan.pipes, ACCELERATION if plan.dynamic else None, hole, top))
-    side = COLUMNS["side_surge"] if case.side_nozzles else ()
-    quantities = (*COLUMNS["surge"], *side, *(COLUMNS["dynamic_surge"] if plan.dynamic else ()))
+    absent: tuple[str, ...] = () if case.side_nozzles else ("side_flow",)
+    absent += () if plan.dynamic else ("dynamic_surge_pressure", "dynamic_surge_time")
+    names = [q.name for q in COLUMNS[SURGE_TABLE] if q.name not in absent]
     fastest: list[dict[str, Any]] = []
     with options_of(case):
         whole = whole_string(case)
@@ -225,21 +226,19 @@ def run_surge(job: Job, plan: Trips) -> RunResult:
         if all(row.limited_by == FAILED for row in rows):
             raise SolveError(f"no trip has a steady flow: {rows[0].warnings[0]}")
         folder = job.make_folder()
+        table = [{name: vars(row)[name] for name in names} for row in rows]
         found = {
             "title": case.title,
             "units": case.shown_units,
             "window": window_table(window),
             "window_from": None if window is None else ("--window" if plan.window is not None else "case"),
-            "surge": [
-                {q.name: vars(row)[q.name] for q in quantities} | {"warnings": row.warnings} for row in rows
-            ],
+            "surge": [cells | {"warnings": row.warnings} for cells, row in zip(table, rows, strict=True)],
             "max_trip_speed": fastest,
             "open_pipe_by_area": by_area,
             "notes": notes,
         }
     summary: dict[str, Any] = plain(found)
-    tables: list[FileTable] = [(SURGE_TABLE, quantities, map(vars, rows))]
-    tables += [(TRIP_SPEED_TABLE, COLUMNS["max_trip_speed"], fastest)] if fastest else []
+    tables = {SURGE_TABLE: table} | ({TRIP_SPEED_TABLE: fastest} if fastest else {})
     return job.result(folder, summary, _lines(case, rows, summary), tables)
 
 
@@ -345,7 +344,7 @@ def _fastest(
             except SolveError:
                 speed, limit = np.nan, FAILED
             values = (operation, pipe, string.depth, speed, limit)
-            out.append(dict(zip([q.name for q in COLUMNS["max_trip_speed"]], values, strict=True)))
+            out.append(dict(zip([q.name for q in COLUMNS[TRIP_SPEED_TABLE]], values, strict=True)))
     return out
 
 

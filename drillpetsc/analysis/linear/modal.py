@@ -47,9 +47,8 @@ from drillpetsc.output import FieldWriter, RunFolder
 from drillpetsc.output.files.atomic import replace_file
 from drillpetsc.output.files.vtk import write_vtu
 from drillpetsc.output.files.well_files import write_well_files
-from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.measured.field_output import FieldOutput
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
@@ -366,7 +365,7 @@ def run_modes(
         summary = _summary(model, found, state, searched)
         if comm.rank == 0:
             _write(model, folder, found, fields)
-    return job.result(folder, summary, _lines(case, found, summary), [_table(found)])
+    return job.result(folder, summary, _lines(case, found, summary), {"modes.csv": _rows(found)})
 
 
 def moment_of(model: DrillingModel, found: Modes) -> Modal:
@@ -414,16 +413,12 @@ def _summary(model: DrillingModel, found: Modes, state: StaticState, searched: s
     }
 
 
-def _table(found: Modes) -> FileTable:
-    """The file modes.csv."""
+def _rows(found: Modes) -> list[tuple[Any, ...]]:
+    """Rows of modes.csv."""
     stokes = [] if found.stokes_number is None else [found.stokes_number]
     columns = [range(1, found.count + 1), found.frequency, 60 * found.frequency, found.damping_ratio]
     columns += [found.growth, found.kind, *found.share.T, found.error, *stokes]
-    return (
-        "modes.csv",
-        (*COLUMNS["modes"], *(COLUMNS["stokes_number"] if stokes else ())),
-        zip(*columns, strict=True),
-    )
+    return list(zip(*columns, strict=True))
 
 
 def _write(model: DrillingModel, folder: RunFolder, found: Modes, fields) -> None:

@@ -19,7 +19,6 @@ from drillpetsc.model.mesh import build_mesh
 from drillpetsc.model.top import laws_of, lowest_torsional_frequency, motor_of, pipe_impedance
 from drillpetsc.output.files.run_folder import REFLECTION_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.physics.top.control import Law, Motor, reflection
 
 FREQUENCIES = np.geomspace(0.01, 10.0, 601)  # of the table [Hz]
@@ -54,7 +53,7 @@ def run_top_drive(job: Job) -> RunResult:
         summary["top_drive"]["torsional_frequency"] = None
     rows = [(k, *row) for k, q in enumerate(table, 1) for row in zip(FREQUENCIES, q, strict=True)]
     lines = _lines(case, laws, motor, impedance, summary)
-    return job.result(job.make_folder(), summary, lines, [(REFLECTION_TABLE, COLUMNS["reflection"], rows)])
+    return job.result(job.make_folder(), summary, lines, {REFLECTION_TABLE: rows})
 
 
 def _lines(

@@ -37,7 +37,7 @@ from drillpetsc.case.quantities import largest
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import End, Start
 from drillpetsc.doubts.motion import FREED_WEIGHT
-from drillpetsc.doubts.state import TopPush
+from drillpetsc.doubts.state import top_push
 from drillpetsc.errors import RESTART_HINT, CaseError, Interrupted, SolveError, cannot_write
 from drillpetsc.model.drilling_model import DrillingModel, build_model, is_quasi_static
 from drillpetsc.output import RunFolder, read_summary, write_summary
@@ -201,7 +201,7 @@ class TransientRun:
         self.end = float(self.case.given_time.end)
         start = self._doubtful_start()
         self.notes["warnings"] = doubts_at(start)
-        self._pushed_at_start = any(True for _ in TopPush().look(start))
+        self._pushed_at_start = bool(top_push.look(start))
         self.monitors = Monitors(self.model)
         if self.saved is not None:
             self.monitors.set_notes(self.saved.notes.get("monitors", {}))

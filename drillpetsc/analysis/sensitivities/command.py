@@ -30,7 +30,6 @@ from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import key_unit, shown_unit
 
 #: outputs that are differentiated unless others are named
@@ -101,8 +100,8 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
         "warnings": warnings,
         "notes": notes,
     }
-    tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
-    return job.result(job.make_folder(), summary, _lines(case, found, compared, summary), tables)
+    lines = _lines(case, found, compared, summary)
+    return job.result(job.make_folder(), summary, lines, {SENSITIVITIES_TABLE: rows})
 
 
 def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from drillpetsc.case.blocks.fluid import Newtonian
-from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
+from drillpetsc.doubts.doubt import CaseMoment, Values, doubt, remark
 
 DISAGREES = 1e-4  # error of a derivative, relative, above which it is reported
 SMALL = 1e-4  # relative derivatives below it are judged by their absolute error
@@ -99,108 +97,89 @@ class Stepped(CaseMoment):
     other: float
 
 
-class Coarse(Doubt):
+@doubt(
+    "the effect of {key} on {output} is {effect:.4g} but {other} with ten times the tolerance of the steps (SI): it is not resolved; "
+    "reduce petsc.ts_rtol",
+    "Reduce `petsc.ts_rtol` until the numbers stay. In stick-slip this took 1e-7.",
+)
+def coarse(at: Stepped) -> Values:
     """Derivatives of a run depend on the tolerance of its steps: with ten times the tolerance they change by more than a tenth.
 
     The run itself may be right to a part in a thousand.  A bit that breaks loose or a contact that opens within a few steps delays or
     advances by parts of a step, which the derivatives contain in full.
     """
-
-    about = (Stepped,)
-    sentence = (
-        "the effect of {key} on {output} is {effect:.4g} but {other} with ten times the tolerance of the steps (SI): it is not resolved; "
-        "reduce petsc.ts_rtol"
-    )
-    remedy = "Reduce `petsc.ts_rtol` until the numbers stay. In stick-slip this took 1e-7."
-
-    def look(self, at: Stepped) -> Iterable[dict[str, Any]]:
-        other = f"{at.other:.4g}" if np.isfinite(at.other) else "unknown"
-        yield {"key": at.key, "output": at.output, "effect": at.effect, "other": other}
+    other = f"{at.other:.4g}" if np.isfinite(at.other) else "unknown"
+    yield {"key": at.key, "output": at.output, "effect": at.effect, "other": other}
 
 
-class Chaotic(Doubt):
+@doubt(
+    "derivatives of {column} are not determined beyond {time:.4g} s by {keys}: they grow exponentially, as in chaotic motion",
+    "End the window of the output before that time, or compare means of several runs with `sweep`.",
+)
+def chaotic(at: Followed) -> Values:
     """Derivatives of a run grow exponentially over half of it, as in chaotic motion: they say nothing about means.
 
     The time is that at which 1 % of the key would move the column by a tenth of its range. Outputs that end later have no derivative.
     """
-
-    about = (Followed,)
-    sentence = "derivatives of {column} are not determined beyond {time:.4g} s by {keys}: they grow exponentially, as in chaotic motion"
-    remedy = "End the window of the output before that time, or compare means of several runs with `sweep`."
-
-    def look(self, at: Followed) -> Iterable[dict[str, Any]]:
-        keys = [key for key, time in at.until.items() if np.isfinite(time)]
-        if keys:
-            yield {"column": at.column, "time": min(at.until.values()), "keys": ", ".join(keys)}
+    keys = [key for key, time in at.until.items() if np.isfinite(time)]
+    return keys and {"column": at.column, "time": min(at.until.values()), "keys": ", ".join(keys)}
 
 
-class Disagrees(Doubt):
+@doubt(
+    "the derivative of {output} by {key} is {derivative:.6g}, full solutions give {difference:.6g} (relative numbers)",
+    "Use the differences: a contact, a regime or a place changes within the step of the key.",
+)
+def disagrees(at: Checked) -> Values:
     """A derivative differs from central differences of full solutions by more than 1e-4.
 
     Both numbers are relative: the share by which the output changes over the share by which the key changes.
     """
-
-    about = (Checked,)
-    sentence = "the derivative of {output} by {key} is {derivative:.6g}, full solutions give {difference:.6g} (relative numbers)"
-    remedy = "Use the differences: a contact, a regime or a place changes within the step of the key."
-
-    def look(self, at: Checked) -> Iterable[dict[str, Any]]:
-        if not at.error <= DISAGREES:  # nor if a number is missing
-            yield {
-                "output": at.output,
-                "key": at.key,
-                "derivative": at.derivative,
-                "difference": at.difference,
-            }
+    if not at.error <= DISAGREES:  # nor if a number is missing
+        yield {
+            "output": at.output,
+            "key": at.key,
+            "derivative": at.derivative,
+            "difference": at.difference,
+        }
 
 
-class NoSameSteps(Doubt):
+@doubt(
+    "derivatives by {keys} are not checked: runs of the changed cases cannot take the same steps",
+    "Reduce petsc.ts_rtol.",
+)
+def no_same_steps(at: Unchecked) -> Values:
     """Newton's method fails in a run of a changed case with the steps of the run, which are long where a bit sticks or bounces."""
-
-    about = (Unchecked,)
-    sentence = "derivatives by {keys} are not checked: runs of the changed cases cannot take the same steps"
-    remedy = "Reduce petsc.ts_rtol."
-
-    def look(self, at: Unchecked) -> Iterable[dict[str, Any]]:
-        if at.keys:
-            yield {"keys": ", ".join(at.keys)}
+    return at.keys and {"keys": ", ".join(at.keys)}
 
 
-class SurveyInMud(Doubt):
+@doubt(
+    "derivatives by {keys} are right to some 0.2 % only while the string moves along the hole: time.integrator: bdf has 0.05 %",
+    "Repeat them with `time.integrator: bdf`.",
+)
+def survey_in_mud(at: HoleRenewed) -> Values:
     """Forces of the mud jump a little where the hole about a moving string is evaluated again; generalised-alpha keeps the jump's derivative."""
-
-    about = (HoleRenewed,)
-    sentence = "derivatives by {keys} are right to some 0.2 % only while the string moves along the hole: time.integrator: bdf has 0.05 %"
-    remedy = "Repeat them with `time.integrator: bdf`."
-
-    def look(self, at: HoleRenewed) -> Iterable[dict[str, Any]]:
-        if at.keys:
-            yield {"keys": ", ".join(at.keys)}
+    return at.keys and {"keys": ", ".join(at.keys)}
 
 
-class FlowAtRest(Doubt):
+@doubt(
+    "the mud is at rest: derivatives by {keys} follow from the rounding of its stress at small shear rates (fluid.rheology.shear_rate)",
+    "Take them at a flow rate that is pumped, where the rounding has no part.",
+)
+def flow_at_rest(at: Differentiated) -> Values:
     """The friction of a mud that is not Newtonian has no derivative by its flow rate at rest, but for the rounding of its stress."""
-
-    about = (Differentiated,)
-    sentence = "the mud is at rest: derivatives by {keys} follow from the rounding of its stress at small shear rates (fluid.rheology.shear_rate)"
-    remedy = "Take them at a flow rate that is pumped, where the rounding has no part."
-
-    def look(self, at: Differentiated) -> Iterable[dict[str, Any]]:
-        mud = at.case.fluid
-        if at.zero_flows and mud is not None and not isinstance(mud.rheology, Newtonian):
-            yield {"keys": ", ".join(at.zero_flows)}
+    mud = at.case.fluid
+    if at.zero_flows and mud is not None and not isinstance(mud.rheology, Newtonian):
+        yield {"keys": ", ".join(at.zero_flows)}
 
 
-class LeftOut(Doubt):
+@doubt(
+    "rows at {depth:length 6} are left out: {reason}",
+    "Use --model soft for these rows, or follow the path of friction with statics.",
+    weight="remark",
+)
+def left_out(at: Differentiated) -> Values:
     """A row of a roadmap with the beam has no state with a derivative: it ends on a path of friction, or was not found."""
-
-    about = (Differentiated,)
-    sentence = "rows at {depth:length 6} are left out: {reason}"
-    remedy = "Use --model soft for these rows, or follow the path of friction with statics."
-    weight = "remark"
-
-    def look(self, at: Differentiated) -> Iterable[dict[str, Any]]:
-        yield from ({"depth": depth, "reason": reason} for depth, reason in at.left_out.items())
+    yield from ({"depth": depth, "reason": reason} for depth, reason in at.left_out.items())
 
 
 remark(

@@ -36,7 +36,7 @@ class SteadyHydraulics:
         hydraulics = Hydraulics(case)
         self._flow, self._rate = hydraulics.flow, self._solve(case, hydraulics.flow)
         self._tangent = FlowTangent(self._flow, self._rate)
-        self.outputs = [Output(q) for q in COLUMNS["hydraulics_summary"]]
+        self.outputs = [Output(q) for q in COLUMNS["summary.json of hydraulics"]]
         self.found = self._at(self._flow, self._rate)
 
     def near(self, points: Sequence[Point]) -> list[Found]:
@@ -46,7 +46,7 @@ class SteadyHydraulics:
             return self._found(points, rates)
         # at the rate of the solution, then by the rate
         own = self._found(points, [self._rate] * len(points))
-        names = [q.name for q in COLUMNS["hydraulics_summary"]]
+        names = [q.name for q in COLUMNS["summary.json of hydraulics"]]
         pump, line = names.index("pump_pressure"), names.index("surface_line_loss")
         used = [point for point in points if point.weight]
         excess = [
@@ -99,7 +99,7 @@ class SteadyHydraulics:
         end = None if case.well is None else float(case.well.survey.md[-1])
         figures = flow_figures(flow, rate, rows, shoe_depth(case), end, open_hole(case, case.window))
         regimes = tuple(row.regime for row in rows)
-        values = np.array([number(figures[q.name]) for q in COLUMNS["hydraulics_summary"]])
+        values = np.array([number(figures[q.name]) for q in COLUMNS["summary.json of hydraulics"]])
         return Found(values, (regimes,) * len(values))
 
 

@@ -34,7 +34,7 @@ from drillpetsc.output.quantities.tables import COLUMNS
 FORCE_STEP = 1e-6  # of the differences by the force below a step, relative to the largest force [-]
 #: outputs of a row; the place of a smallest force jumps from node to node
 NAMES = (*(name for name in FOUND if name != "md_of_min"), "hook_load_total", "hook_load_reading")
-QUANTITIES = tuple(q for q in COLUMNS["roadmap"] if q.name in NAMES)
+QUANTITIES = tuple(q for q in COLUMNS["roadmap.csv"] if q.name in NAMES)
 RATIOS = ("sinusoidal_ratio", "helical_ratio")
 
 

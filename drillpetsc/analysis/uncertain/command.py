@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,6 @@ from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import UNCERTAIN_LIMITS_TABLE, UNCERTAIN_SHARES_TABLE, UNCERTAIN_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import shown_unit
 
 SHOWN_EACH = 10  # samples of a part, after which progress is shown
@@ -66,7 +65,7 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         found, kinks, limits = _found(job, question, response, keys, draws)
     outputs, base = [response.outputs[i] for i in chosen], response.base[chosen]
     named = list(dict.fromkeys(names))
-    found = [_of(spread, chosen, _summed(spread.shares[chosen], names)) for spread in found]
+    found = [_summed(spread.of(chosen), names) for spread in found]
     band = len(question.levels) > 1
     points = inside_band(case, outputs, found[0].quantiles) if band else []
     drawn = Drawn(case, question.levels, outputs, found, kinks, question.samples)
@@ -96,11 +95,7 @@ def run_uncertain(job: Job, question: Question, notes: Sequence[str] = ()) -> Ru
         "warnings": doubts_at(drawn, "warning"),
         "notes": [*notes, *response.notes, *doubts_at(drawn, "remark")],
     }
-    tables = (
-        (UNCERTAIN_TABLE, COLUMNS["uncertain"], rows),
-        (UNCERTAIN_LIMITS_TABLE, COLUMNS["uncertain_limits"], limits),
-        (UNCERTAIN_SHARES_TABLE, COLUMNS["uncertain_shares"], shares),
-    )
+    tables = {UNCERTAIN_TABLE: rows, UNCERTAIN_LIMITS_TABLE: limits, UNCERTAIN_SHARES_TABLE: shares}
     lines = _lines(case, named, outputs, found, question, summary, limits)
     return job.result(job.make_folder(), summary, lines, tables)
 
@@ -158,23 +153,10 @@ def _shared_out(comm: Any, response: Response, draws: FloatArray) -> FloatArray:
     return out
 
 
-def _summed(shares: FloatArray, names: Sequence[str]) -> FloatArray:
-    """(m, keys) shares of each key: a path has several numbers."""
-    return np.stack(
-        [shares[:, [q == name for q in names]].sum(axis=1) for name in dict.fromkeys(names)], axis=1
-    )
-
-
-def _of(spread: Spreads, chosen: Sequence[int], shares: FloatArray) -> Spreads:
-    """The statistics of some outputs, with the shares of the keys."""
-    return Spreads(
-        spread.method,
-        spread.mean[chosen],
-        spread.deviation[chosen],
-        spread.failed[chosen],
-        spread.quantiles[chosen],
-        shares,
-    )
+def _summed(spread: Spreads, names: Sequence[str]) -> Spreads:
+    """With the shares of each key: a path has several numbers."""
+    mine = [[q == name for q in names] for name in dict.fromkeys(names)]
+    return replace(spread, shares=np.stack([spread.shares[:, q].sum(axis=1) for q in mine], axis=1))
 
 
 def _head(output: Output, spread: Spreads) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Protocol
 
 import numpy as np
@@ -46,7 +47,7 @@ class _Strings:
     def __init__(self, asked: RowsAsked) -> None:
         self.keys, loads = asked.keys(), asked.loads()
         placed = [d for _, _, d in self.keys]
-        self.columns = columns_of(
+        columns = columns_of(
             [loads[o] for o, _, _ in self.keys], placed, [asked.pairs[p] for _, p, _ in self.keys]
         )
         self.ends = SoftEnds(asked.well, asked.strings, MAX_STEP)
@@ -57,7 +58,9 @@ class _Strings:
             q.lift(self.ends.edges[d]) if isinstance(q, Circulation) else still[d]
             for q, d in zip(found, placed, strict=True)
         ]
-        self.thrust = np.array([q.thrust if isinstance(q, Circulation) else 0.0 for q in found])
+        thrust = np.array([q.thrust if isinstance(q, Circulation) else 0.0 for q in found])
+        names = ("placed", "item_factor", "wob", "torque", "axial_velocity", "rotation")
+        self.alike = {"thrust": thrust} | {name: getattr(columns, name) for name in names}
         self.failed = np.array(
             [
                 bool(asked.strings[d].misfit) or isinstance(q, SolveError)
@@ -66,10 +69,8 @@ class _Strings:
         )
         self.block = asked.block_weight
         sensor = sensor_of(asked.case)
-        self.factor = None if sensor == Sensor() else self._factors(sensor)
-
-    def _factors(self, sensor: Sensor) -> FloatArray:
-        return np.array([sensor.factor(DIRECTION[o]) for o, _, _ in self.keys])
+        factors = np.array([sensor.factor(DIRECTION[o]) for o, _, _ in self.keys])
+        self.factor = None if sensor == Sensor() else factors
 
     def found(self, friction: FloatArray, weight: FloatArray, block: FloatArray) -> dict[str, FloatArray]:
         """(n, rows) of each output [SI].
@@ -93,22 +94,9 @@ class _Strings:
 
     def _ends(self, friction: FloatArray, weight: FloatArray) -> TopLoads:
         n, rows = len(friction), len(self.keys)
-        c = self.columns
-
-        def repeated(values: FloatArray) -> FloatArray:
-            return np.tile(values, n)
-
-        loads = Columns(
-            repeated(c.placed),
-            np.repeat(friction, rows, axis=0),
-            repeated(c.item_factor),
-            repeated(c.wob),
-            repeated(c.torque),
-            repeated(c.axial_velocity),
-            repeated(c.rotation),
-            np.repeat(weight, rows),
-            thrust=repeated(self.thrust),
-        )
+        alike = {name: np.tile(values, n) for name, values in self.alike.items()}
+        own = {"friction": np.repeat(friction, rows, axis=0), "weight_factor": np.repeat(weight, rows)}
+        loads = Columns(**alike, **own)
         return self.ends.ends(loads, self.lifts * n)
 
 
@@ -148,35 +136,28 @@ class RoadmapResponse:
         """As of ``Response``."""
         if not self._prepared:
             return self._at(self._strings, draws)
-        out = np.full((len(draws), len(self.outputs)), np.nan)
         keys = [self._keys[i] for i in self._prepared]
-        for n, values in enumerate(draws):
-            try:
-                case = case_at(self._case, keys, values[self._prepared])
-                out[n] = self._at(_Strings(own_friction(case, False)), values[None])[0]
-            except (CaseError, SolveError):
-                continue  # counted as failed
-        return out
+
+        def one(values: FloatArray) -> FloatArray:
+            case = case_at(self._case, keys, values[self._prepared])
+            return self._at(_Strings(own_friction(case, False)), values[None])[0]
+
+        return _each(self, draws, one)
 
     def _at(self, strings: _Strings, draws: FloatArray) -> FloatArray:
         n = len(draws)
         friction = np.tile(self._friction, (n, 1))
         weight, block = np.ones(n), np.full(n, strings.block or 0.0)
-        impossible = np.zeros(n, dtype=bool)
         for key, values in zip(self._keys, draws.T, strict=True):
             sections = _sections(key)
             if sections:
                 friction[:, sections] = values[:, None]
-                impossible |= values < 0
             elif key.name == WEIGHT_FACTOR:
                 weight = values
-                impossible |= values <= 0
             elif key.name == BLOCK:
                 block = values
-                impossible |= values < 0
-        found = strings.found(np.maximum(friction, 0.0), weight, block)
-        out = self._flat(found)
-        out[impossible] = np.nan
+        out = self._flat(strings.found(np.maximum(friction, 0.0), weight, block))
+        out[(friction < 0).any(axis=1) | (weight <= 0) | (block < 0)] = np.nan
         return out
 
 
@@ -195,13 +176,18 @@ class HydraulicsResponse:
 
     def values(self, draws: FloatArray) -> FloatArray:
         """As of ``Response``."""
-        out = np.full((len(draws), len(self.outputs)), np.nan)
-        for n, values in enumerate(draws):
-            try:
-                out[n] = self._solution.solved(case_at(self._case, self._keys, values)).values
-            except (CaseError, SolveError):
-                continue  # counted as failed
-        return out
+        return _each(
+            self, draws, lambda values: self._solution.solved(case_at(self._case, self._keys, values)).values
+        )
+
+
+def _each(response: Response, draws: FloatArray, one: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """(n, m) outputs, ``one`` of which has those of a sample; samples without a solution count as failed."""
+    out = np.full((len(draws), len(response.outputs)), np.nan)
+    for row, values in zip(out, draws, strict=True):
+        with suppress(CaseError, SolveError):
+            row[:] = one(values)
+    return out
 
 
 def _sections(key: Uncertain) -> list[int]:

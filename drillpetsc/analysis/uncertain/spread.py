@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -27,6 +27,11 @@ class Spreads:
     failed: np.ndarray
     quantiles: FloatArray
     shares: FloatArray
+
+    def of(self, chosen: Sequence[int]) -> Spreads:
+        """The statistics of some outputs."""
+        rows = {f.name: getattr(self, f.name)[chosen] for f in fields(self) if f.name != "method"}
+        return Spreads(self.method, **rows)
 
 
 def spreads_of(

@@ -53,11 +53,7 @@ BOUNDARY_TABLE = "stability_boundary.csv"  # speeds at which it changes its sign
 STABILITY_RUNS_TABLE = "stability_runs.csv"  # what runs in time did, by rotary speed and weight on bit
 LIMITS_TABLE = "limits.csv"  # stresses, strength and buckling along the string
 CONTACTS_TABLE = "contacts.csv"  # loads of the wall on each item
-SWEEP_PICTURES = (
-    "trajectory.png",
-    "inclination.png",
-    "build_rate.png",
-)  # pictures of the new hole of a sweep
+SWEEP_PICTURES = ("trajectory", "inclination", "build_rate")  # of the new hole of a sweep, without .png
 ABSENT = "-"  # in the table of a sweep: the value of a key whose block is switched off
 
 

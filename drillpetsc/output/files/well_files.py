@@ -51,7 +51,7 @@ def write_well_files(model: DrillingModel, folder: RunFolder) -> None:
     inclination, azimuth = map(np.degrees, angles(tangent))
     write_table(
         folder.trajectory,
-        COLUMNS["trajectory"],
+        COLUMNS["trajectory.csv"],
         [md, inclination, azimuth, *position.T, np.degrees(COURSE * dogleg_severity(md, tangent))],
     )
     write_well(folder.well, md, position, np.asarray(well.radius(md)), np.asarray(well.friction(md)))

@@ -11,6 +11,7 @@ from drillpetsc.case.blocks.sensors import Sensor
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.geometry.frames import turned_directors
 from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.sensors.files import SENSOR_TABLE
 from drillpetsc.output.sensors.section import PARTS, unit_motion
 from drillpetsc.vibration.filters import LowPass, butterworth
 
@@ -36,7 +37,7 @@ def columns_of(sensor: Any, pressures: tuple[str, ...], motion: bool) -> tuple[Q
         chosen |= {f"{name}_motion" for name in sensor.accelerations if sensor.gravity}
         if sensor.radius:
             chosen |= {"spin_acceleration"}
-    return tuple(q for q in COLUMNS["sensors"] if q.name in chosen)
+    return tuple(q for q in COLUMNS[SENSOR_TABLE] if q.name in chosen)
 
 
 class Sampler:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,7 +26,10 @@ from drillpetsc.plotting.style import LINE_COLORS, words
 from drillpetsc.unit_systems import System
 
 MOST_PROFILES = 4  # flow rates in the picture of the profile
-LIMITS = "#b03060"  # colour of pore and fracture limits
+WINDOW: dict[str, dict[str, Any]] = {
+    "pore": {"color": "#b03060", "linestyle": (0, (3, 1.5)), "label": "pore limit"},
+    "frac": {"color": "#b03060", "linestyle": "-", "label": "fracture limit"},
+}
 OPERATIONS = {"trip_in": "running in", "trip_out": "pulling out"}
 DASHES = {"closed": "-", "open": (0, (5, 2)), "pumping": (0, (1, 1.2))}
 
@@ -185,15 +190,12 @@ def _window(
     window = summary.get("window")
     if not window:
         return
-    for key, name in (("pore", "pore limit"), ("frac", "fracture limit")):
+    for key, look in WINDOW.items():
         tvd = np.array(window["tvd"] or [0.0, deepest * depth]) / depth
         values = np.array(window[key] if window["tvd"] else window[key] * 2) / density
-        dash = (0, (3, 1.5)) if key == "pore" else "-"
-        axes.plot(values, tvd, color=LIMITS, linewidth=1.0, linestyle=dash, alpha=0.35)
+        axes.plot(values, tvd, **(look | {"linewidth": 1.0, "alpha": 0.35, "label": None}))
         below = np.unique([shoe, *tvd[tvd > shoe]])
-        axes.plot(
-            np.interp(below, tvd, values), below, color=LIMITS, linewidth=1.6, linestyle=dash, label=name
-        )
+        axes.plot(np.interp(below, tvd, values), below, linewidth=1.6, **look)
 
 
 def _rheology(at: Source) -> Any:
@@ -231,25 +233,14 @@ def _surge(at: Source) -> Any:
     grid = drawing.subplots(1, 2)
     depths = list(dict.fromkeys(table["bit_depth [m]"]))
     for k, md in enumerate(depths):
-        for operation, offset in (("trip_in", 0), ("trip_out", 1)):
-            for pipe, dash in DASHES.items():
-                part = (
-                    (table["bit_depth [m]"] == md)
-                    & (table["operation [-]"] == operation)
-                    & (table["pipe [-]"] == pipe)
-                )
-                if not part.any():
-                    continue
-                name = f"{OPERATIONS[operation]}, {pipe}"
-                name += f", bit at {md / depth.size:.5g} {depth.unit}" if len(depths) > 1 else ""
-                color = LINE_COLORS[(2 * k + offset) % len(LINE_COLORS)]
-                order = np.argsort(speed.values(table)[part])
-                for axes, column in ((grid[0], pressure), (grid[1], density)):
-                    x, y = speed.values(table)[part][order], column.values(table)[part][order]
-                    axes.plot(x, y, marker=".", color=color, linestyle=dash, label=name)
-                if start.title in table:
-                    x, y = speed.values(table)[part][order], start.values(table)[part][order]
-                    grid[0].plot(x, y, "x", color=color)
+        at_depth = {title: values[table[depth.title] == md] for title, values in table.items()}
+        for number, look, rows in _trips(at_depth, speed):
+            look["label"] += f", bit at {md / depth.size:.5g} {depth.unit}" if len(depths) > 1 else ""
+            look["color"] = LINE_COLORS[(2 * k + number) % len(LINE_COLORS)]
+            for axes, column in ((grid[0], pressure), (grid[1], density)):
+                axes.plot(speed.values(rows), column.values(rows), **look)
+            if start.title in table:
+                grid[0].plot(speed.values(rows), start.values(rows), "x", color=look["color"])
     for axes, column in ((grid[0], pressure), (grid[1], density)):
         axes.set(xlabel=speed.label(), ylabel=column.label(), xlim=(0, None))
         axes.ticklabel_format(axis="y", useOffset=False)
@@ -258,11 +249,20 @@ def _surge(at: Source) -> Any:
     grid[0].axhline(0.0, color="0.35", linewidth=0.8)
     window = at.summary.get("window") or {}
     if window and not window.get("tvd"):
-        for key, name in (("pore", "pore limit"), ("frac", "fracture limit")):
-            dash = (0, (3, 1.5)) if key == "pore" else "-"
-            grid[1].axhline(window[key][0] / density.size, color=LIMITS, linestyle=dash, label=name)
+        for key, look in WINDOW.items():
+            grid[1].axhline(window[key][0] / density.size, **look)
     grid[1].legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return drawing.fitted()
+
+
+def _trips(table: Table, along: _Axis) -> Iterator[tuple[int, dict[str, Any], Table]]:
+    """The operations with each pipe, of which there are rows: number of the operation, look of the line, rows in the order of a column."""
+    for (number, operation), (pipe, dash) in product(enumerate(OPERATIONS), DASHES.items()):
+        part = np.flatnonzero((table["operation [-]"] == operation) & (table["pipe [-]"] == pipe))
+        part = part[np.argsort(table[along.title][part])]
+        if len(part):
+            look = {"marker": ".", "linestyle": dash, "label": f"{OPERATIONS[operation]}, {pipe}"}
+            yield number, look, {title: values[part] for title, values in table.items()}
 
 
 def _trip_speeds(at: Source) -> Any:
@@ -271,19 +271,8 @@ def _trip_speeds(at: Source) -> Any:
     speed, depth = _Axis("max_trip_speed [m/s]", system), _Axis("bit_depth [m]", system)
     drawing = style.sheet(7.5, 6.5, f"{at.title}: largest trip speed within the window")
     axes = drawing.subplots()
-    for operation, color in zip(OPERATIONS, LINE_COLORS, strict=False):
-        for pipe, dash in DASHES.items():
-            part = (table["operation [-]"] == operation) & (table["pipe [-]"] == pipe)
-            if part.any():
-                order = np.argsort(depth.values(table)[part])
-                axes.plot(
-                    speed.values(table)[part][order],
-                    depth.values(table)[part][order],
-                    marker=".",
-                    color=color,
-                    linestyle=dash,
-                    label=f"{OPERATIONS[operation]}, {pipe}",
-                )
+    for number, look, rows in _trips(table, depth):
+        axes.plot(speed.values(rows), depth.values(rows), color=LINE_COLORS[number], **look)
     free = np.isin(table["limited_by [-]"], ("none", "-"))
     if free.any():
         x, y = speed.values(table)[free], depth.values(table)[free]

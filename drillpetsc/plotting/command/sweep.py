@@ -71,23 +71,15 @@ def draw_sweep(sweep: str | os.PathLike, out: str | os.PathLike | None = None) -
     folder = Path(sweep)
     paths = drilled_paths(folder)
     into = folder if out is None else Path(out)
-    into.mkdir(parents=True, exist_ok=True)
     title = Source(RunFolder(folder)).title
     first = next((f for f in sorted(folder.glob(f"*/{RunFolder(folder).case.name}"))), folder)
     with style.of_case(first, style.UNITS.get()):
-        files: list[Path] = []
-        if not paths:
-            drawing = results(folder, title)
-            if drawing is not None:
-                files.append(into / "results.png")
-                drawing.savefig(files[-1])
-            return files
-        for name, draw in zip(SWEEP_PICTURES, (trajectories, inclinations, build_rates), strict=True):
-            drawing = draw(paths, title)
-            if drawing is not None:
-                files.append(into / name)
-                drawing.savefig(files[-1])
-    return files
+        if paths:
+            drawings = (draw(paths, title) for draw in (trajectories, inclinations, build_rates))
+            drawn = dict(zip(SWEEP_PICTURES, drawings, strict=True))
+        else:
+            drawn = {"results": results(folder, title)}
+        return style.save_figures({name: q for name, q in drawn.items() if q is not None}, into)
 
 
 def results(folder: Path, title: str) -> Any:

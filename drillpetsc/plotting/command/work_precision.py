@@ -23,18 +23,14 @@ def draw_study(
     If no point has an error, nothing is drawn. Returns the files.
     """
     if content["vary"] == "ranks":
-        return [_speed_up(content, into / f"{name}speed_up.png", dpi)] if content["speed_up"] else []
-    if not content["outputs"]:
-        return []
-    files = []
-    for kind, abscissa, label in (
-        ("work_precision", "cpu", "CPU time [s]"),
-        ("orders", "abscissa", content["abscissa"]),
-    ):
-        drawing = _panels(content, abscissa, label, norm, dpi)
-        files.append(into / f"{name}{kind}.png")
-        drawing.savefig(files[-1])
-    return files
+        drawn = {"speed_up": _speed_up(content, dpi)} if content["speed_up"] else {}
+    elif content["outputs"]:
+        of_cpu = _panels(content, "cpu", "CPU time [s]", norm, dpi)
+        of_step = _panels(content, "abscissa", content["abscissa"], norm, dpi)
+        drawn = {"work_precision": of_cpu, "orders": of_step}
+    else:
+        drawn = {}
+    return style.save_figures({f"{name}{kind}": drawing for kind, drawing in drawn.items()}, into)
 
 
 def _panels(content: Mapping[str, Any], abscissa: str, label: str, norm: str, dpi: float) -> Any:
@@ -167,7 +163,7 @@ def _guides(axes: Any, drawn: Sequence[tuple[float, float]]) -> None:
         axes.annotate(str(slope), (end, high * (end / right) ** slope), fontsize=7.5, color="0.5")
 
 
-def _speed_up(content: Mapping[str, Any], file: Path, dpi: float) -> Path:
+def _speed_up(content: Mapping[str, Any], dpi: float) -> Any:
     with style.look():
         drawing = style.figure(5.6, 4.2, dpi=dpi)
         axes = drawing.subplots()
@@ -184,8 +180,7 @@ def _speed_up(content: Mapping[str, Any], file: Path, dpi: float) -> Path:
         )
         axes.legend(frameon=False)
         drawing.tight_layout()
-        drawing.savefig(file)
-    return file
+    return drawing
 
 
 def _positive(value: Any) -> bool:

@@ -68,7 +68,7 @@ def drawn(
     with style.of_case(folder.case, units):
         if (folder.path / SWEEP_TABLE).is_file():
             return draw_sweep(folder.path, out)
-        return save_figures(drawings(folder, units), folder.plots if out is None else Path(out))
+        return style.save_figures(drawings(folder, units), folder.plots if out is None else Path(out))
 
 
 def spectra(
@@ -99,17 +99,6 @@ def spectra(
             found = signal(folder.path, name, "--psd")
             drawn[f"psd_{found.file}"] = draw_power(found, title, segment)
     return drawn
-
-
-def save_figures(drawn: dict[str, Any], into: Path) -> list[Path]:
-    """Save figures by name as PNG files in a folder; returns the files."""
-    into.mkdir(parents=True, exist_ok=True)
-    files = []
-    with style.look():
-        for name, drawing in drawn.items():
-            files.append(into / f"{name}.png")
-            drawing.savefig(files[-1])
-    return files
 
 
 def figures(
@@ -380,7 +369,8 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
     for axes, (column, group) in zip(
         drawing.subplots(len(kept), 1, squeeze=False, sharex=True)[:, 0], kept.items(), strict=True
     ):
-        size, unit = display_unit(column, np.concatenate(list(group.values())))
+        together = np.concatenate(list(group.values()))
+        size, unit = display_unit(column, together)
         for (name, values), color in zip(group.items(), LINE_COLORS * 3, strict=False):
             length, depth_text = style.depth_unit()
             at = f"{round(float(name) / length, 2):g} {depth_text}"
@@ -398,11 +388,7 @@ def _probes(table: Table, clearances: tuple[np.ndarray, np.ndarray] | None, titl
         )
         axes.margins(x=0.0)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8.5)
-        axes.ticklabel_format(axis="y", useOffset=False)
-        together = np.concatenate(list(group.values()))
-        limits = style.limits_of_level(together / size, style.is_noise(column, together))
-        if limits is not None:
-            axes.set_ylim(*limits)
+        style.steady(axes, together / size, style.is_noise(column, together))
     axes.set_xlabel("time [s]")
     return drawing.fitted()
 
@@ -437,10 +423,7 @@ def _along_depth(table: Table, title: str) -> Any:
             )  # fmt: skip
         axes.set_xlabel(textwrap.fill(label(name, unit), LABEL_WIDTH))
         axes.locator_params(axis="x", nbins=4)
-        axes.ticklabel_format(axis="x", useOffset=False)
-        limits = style.limits_of_level(values, style.is_noise(name, table[name]))
-        if limits is not None:
-            axes.set_xlim(*limits)
+        style.steady(axes, values, style.is_noise(name, table[name]), "x")
     for axes in grid.reshape(-1)[len(numbers) :]:
         axes.remove()
     for axes in grid[:, 0]:

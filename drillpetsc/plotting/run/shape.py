@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,13 @@ class Shape:
     points: np.ndarray
     values: np.ndarray
     bent: bool
+
+    def with_nodes(self, change: Callable[[np.ndarray], np.ndarray]) -> Shape:
+        """The shape with ``change`` of each array over its nodes."""
+        changed: dict[str, Any] = {
+            name: change(values) for name, values in vars(self).items() if isinstance(values, np.ndarray)
+        }
+        return replace(self, **changed)
 
 
 #: fields that colour the string, the first that a run has; the last two are of a string that is held
@@ -99,16 +107,7 @@ def cut(shape: Shape, interval: tuple[float, float] | None) -> Shape:
             f"the string reaches from {shape.md[0] / size:g} {unit} to {shape.md[-1] / size:g} {unit}"
         )
     part = slice(max(inside[0] - 1, 0), min(inside[-1] + 2, len(shape.md)))
-    return Shape(
-        shape.time,
-        shape.md[part],
-        shape.offset[part],
-        None if shape.hole_radius is None else shape.hole_radius[part],
-        None if shape.outer_radius is None else shape.outer_radius[part],
-        shape.points[part],
-        shape.values[part],
-        shape.bent,
-    )
+    return shape.with_nodes(lambda values: values[part])
 
 
 def smooth(shape: Shape, pieces: int) -> Shape:
@@ -121,21 +120,10 @@ def smooth(shape: Shape, pieces: int) -> Shape:
         [np.linspace(md[k], md[k + 1], pieces, endpoint=False) for k in range(len(md) - 1)] + [md[-1:]]
     )
 
-    def straight(values: np.ndarray | None) -> np.ndarray | None:
-        return None if values is None else np.interp(grown, md, values)
+    def between(values: np.ndarray) -> np.ndarray:
+        return _cubic(md, values, grown) if values.ndim == 2 else np.interp(grown, md, values)
 
-    values = straight(shape.values)
-    assert values is not None
-    return Shape(
-        shape.time,
-        grown,
-        _cubic(md, shape.offset, grown),
-        straight(shape.hole_radius),
-        straight(shape.outer_radius),
-        _cubic(md, shape.points, grown),
-        values,
-        shape.bent,
-    )
+    return replace(shape.with_nodes(between), md=grown)
 
 
 def _cubic(md: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:

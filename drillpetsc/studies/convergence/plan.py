@@ -277,7 +277,7 @@ def plan_of(vary: str, base: Base, values: Sequence[str] = ()) -> list[Point]:
     """
     if vary in ("time-step", "tolerance", "mesh", "ranks"):
         return _one_curve(vary, base, numbers(vary, values))
-    return _several_curves(vary, base, values)
+    return plan_curves(vary, values, base)
 
 
 def integrator_of(options: Mapping[str, Any]) -> str:
@@ -301,47 +301,43 @@ def _one_curve(vary: str, base: Base, values: Sequence[float]) -> list[Point]:
     return [Point("ranks", str(n), float(n), ranks=n) for n in ranks]
 
 
-def _several_curves(vary: str, base: Base, values: Sequence[str]) -> list[Point]:
-    steps, tolerances = default_steps(base), default_tolerances(base)
-    points: list[Point] = []
+#: what several curves may vary: the words that are allowed, and those without a choice of the user
+_CHOICES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "order": (tuple("123456"), tuple("123")),
+    "formulation": (FORMULATIONS, FORMULATIONS),
+    "integrator": (tuple(INTEGRATORS), DEFAULT_INTEGRATORS),
+    "solver": (tuple(SOLVERS), DEFAULT_SOLVERS),
+    "curves": (tuple(CURVES), DEFAULT_CURVES),
+}
+
+
+def _curve(vary: str, word: str) -> tuple[str, Options, bool, str]:
+    """A curve: its name, its options, whether its tolerance varies instead of its step, and the formulation if it is not the case's."""
     if vary == "order":
-        for word in values or ("1", "2", "3"):
-            _one_of(word, [str(k) for k in range(1, 7)], vary)
-            points += fixed_points(f"bdf{word}-fixed", base, steps, {"ts_type": "bdf", "ts_bdf_order": word})
-    elif vary == "formulation":
-        for word in values or FORMULATIONS:
-            _one_of(word, FORMULATIONS, vary)
-            points += fixed_points(
-                f"{word}-bdf2-fixed", base, steps, INTEGRATORS["bdf2"][0], (f"beam.formulation={word}",)
-            )
-    elif vary == "integrator":
-        for word in values or DEFAULT_INTEGRATORS:
-            _one_of(word, tuple(INTEGRATORS), vary)
-            petsc, adaptive = INTEGRATORS[word]
-            points += (
-                adaptive_points(word, tolerances, petsc)
-                if adaptive
-                else fixed_points(f"{word}-fixed", base, steps, petsc)
-            )
-    else:
-        for word in values or DEFAULT_SOLVERS:
-            if not word.startswith("-"):
-                _one_of(word, tuple(SOLVERS), vary)
-            petsc = options_of(word.split()) if word.startswith("-") else SOLVERS[word]
-            points += adaptive_points(word.replace(" ", "_"), tolerances, petsc)
-    return points
+        return f"bdf{word}-fixed", {"ts_type": "bdf", "ts_bdf_order": word}, False, ""
+    if vary == "formulation":
+        return f"{word}-bdf2-fixed", INTEGRATORS["bdf2"][0], False, word
+    if vary == "integrator":
+        petsc, adaptive = INTEGRATORS[word]
+        return word if adaptive else f"{word}-fixed", petsc, adaptive, ""
+    if vary == "curves":
+        integrator, adaptive, formulation = CURVES[word]
+        return word, INTEGRATORS[integrator][0], adaptive, formulation
+    return word.replace(" ", "_"), SOLVERS.get(word) or options_of(word.split()), True, ""
 
 
-def plan_curves(names: Sequence[str], base: Base, few: bool = False) -> list[Point]:
-    """Points of ``--curves``; few: three points per curve, for a quick overview."""
+def plan_curves(vary: str, words: Sequence[str], base: Base, few: bool = False) -> list[Point]:
+    """Points of several curves, which differ in order, formulation, integrator or solver, or are named; few: three a curve."""
     steps, tolerances = default_steps(base), default_tolerances(base)
     if few:
         steps, tolerances = steps[:3], tolerances[:3]
+    allowed, usual = _CHOICES[vary]
     points: list[Point] = []
-    for name in names:
-        _one_of(name, tuple(CURVES), "curves")
-        integrator, adaptive, formulation = CURVES[name]
-        petsc = dict(INTEGRATORS[integrator][0])
+    for word in words or usual:
+        if word not in allowed and not (vary == "solver" and word.startswith("-")):
+            at = "--curves" if vary == "curves" else "--values"
+            raise CaseError(at=at, got=word, want=" | ".join(allowed))
+        name, petsc, adaptive, formulation = _curve(vary, word)
         changes = (f"beam.formulation={formulation}",) if formulation else ()
         points += (
             adaptive_points(name, tolerances, petsc, changes)
@@ -349,13 +345,6 @@ def plan_curves(names: Sequence[str], base: Base, few: bool = False) -> list[Poi
             else fixed_points(name, base, steps, petsc, changes)
         )
     return points
-
-
-def _one_of(word: str, allowed: Sequence[str], what: str) -> None:
-    if word not in allowed:
-        raise CaseError(
-            at=f"--{'curves' if what == 'curves' else 'values'}", got=word, want=" | ".join(allowed)
-        )
 
 
 def numbers(vary: str, words: Sequence[str], option: str = "--values") -> list[float]:

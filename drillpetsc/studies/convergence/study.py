@@ -27,7 +27,6 @@ from drillpetsc.output import RunFolder
 from drillpetsc.output.progress import duration
 from drillpetsc.output.recorder import Recorder
 from drillpetsc.studies.convergence.plan import (
-    DEFAULT_CURVES,
     VARIED,
     Base,
     Point,
@@ -128,25 +127,16 @@ def study(
     say: Callable[[str], None] | None = None,
     **settings: Any,
 ) -> StudyResult:
-    """Run the study of a case; ``settings`` are the other fields of StudyRequest. See ``run_study``."""
-    return run_study(StudyRequest(case, vary, curves, **settings), run=run, exact=exact, say=say)
-
-
-def run_study(
-    request: StudyRequest,
-    *,
-    run: Runner = run_process,
-    exact: Exact | None = None,
-    say: Callable[[str], None] | None = None,
-) -> StudyResult:
-    """Run a study.
+    """Run the study of a case.
 
     run: function that runs one job.
     exact: closed form, see ``reference.Exact``.
     say: receives lines of progress; by default they are printed to stderr.
+    settings: the other fields of StudyRequest.
 
     Raises CaseError for bad input, before anything is written. A run that fails is a point marked failed.
     """
+    request = StudyRequest(case, vary, curves, **settings)
     report = say or (lambda line: print(line, file=sys.stderr, flush=True))
     base = read_base(
         request.case,
@@ -212,7 +202,7 @@ def _refuse_invalid(request: StudyRequest, base: Base) -> None:
 def _points(request: StudyRequest, base: Base, few: bool) -> list[Point]:
     """Points of the study."""
     if request.curves is not None:
-        return plan_curves(request.curves or DEFAULT_CURVES, base, few)
+        return plan_curves("curves", request.curves, base, few)
     assert request.vary is not None
     points = plan_of(request.vary, base, request.words)
     if len({(p.curve, p.label) for p in points}) < len(points):
@@ -322,4 +312,4 @@ def closing_lines(result: StudyResult) -> list[str]:
     return lines
 
 
-__all__ = ["StudyRequest", "StudyResult", "closing_lines", "run_study", "study"]
+__all__ = ["StudyRequest", "StudyResult", "closing_lines", "study"]

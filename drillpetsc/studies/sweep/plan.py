@@ -60,7 +60,7 @@ def _latest_sweep(name: str) -> Path:
 
 def _clear(folder: Path) -> None:
     """Remove the files of an earlier sweep and of its members; other files are kept."""
-    for name in (SWEEP_TABLE, *SWEEP_PICTURES):
+    for name in (SWEEP_TABLE, *(f"{name}.png" for name in SWEEP_PICTURES)):
         (folder / name).unlink(missing_ok=True)
     for old in folder.glob("member-*"):
         if old.is_dir():

@@ -20,7 +20,7 @@ from drillpetsc.analysis.motion.time_scales import (
 from drillpetsc.analysis.statics.placement import place_along_hole
 from drillpetsc.case.reader import load_case
 from drillpetsc.doubts.moments import Start
-from drillpetsc.doubts.motion import StepsBeyondImpacts
+from drillpetsc.doubts.motion import steps_beyond_impacts
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.contact import ContactLaw
 from drillpetsc.solvers.linear.linearization import linearise
@@ -147,7 +147,7 @@ def test_period_of_mud_bounds_that_of_the_mesh(tmp_path):
 
 def said(model, step: float | None) -> list[str]:
     """What the user reads of fixed steps of this length [s]."""
-    return StepsBeyondImpacts().sentences(
+    return steps_beyond_impacts.sentences(
         Start(model=model, fixed_step=step, impact=time_scales(model).impact)
     )
 

@@ -21,10 +21,10 @@ generate = importlib.import_module("generate")
 
 @pytest.fixture
 def tally(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The doubt of the page, as if its class stood in doubts/state.py."""
+    """The doubt of the page, as if it stood in doubts/state.py."""
     found = re.search(r"```{code-block} python\n:name: add-doubt\n\n(.*?)^```", PAGE.read_text(), re.S | re.M)
     assert found is not None
-    monkeypatch.setattr(state, "StretchedTally", None, raising=False)  # gone afterwards
+    monkeypatch.setattr(state, "stretched_tally", None, raising=False)  # gone afterwards
     exec(compile(found[1], str(PAGE), "exec"), vars(state))
     added = DOUBTS[-1]
     yield added
@@ -62,4 +62,4 @@ def test_the_manual_has_the_doubt(tally: Any) -> None:
 
 
 def test_without_the_page_there_is_no_such_doubt() -> None:
-    assert "StretchedTally" not in [type(q).__name__ for q in DOUBTS]
+    assert "stretched_tally" not in [q.function.__name__ for q in DOUBTS]

@@ -9,7 +9,7 @@ import numpy as np
 
 from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.hydraulics.doubts import TripPlan
-from drillpetsc.analysis.linear.doubts import GrowsAtSpeeds
+from drillpetsc.analysis.linear.doubts import grows_at_speeds
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import _warnings
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
 from drillpetsc.case import Case
@@ -65,7 +65,7 @@ def test_modes_that_grow_are_said_with_their_speeds(
         SimpleNamespace(speed=rpm * np.pi / 30, grows=np.array([False, rpm in growing]))
         for rpm in (60.0, 120.0, 180.0)
     ]
-    found = GrowsAtSpeeds().look(SimpleNamespace(speeds=speeds))
+    found = grows_at_speeds.look(SimpleNamespace(speeds=speeds))
     assert [(v["grows"], v["count"], round(v["first"], 9)) for v in found] == said
 
 

@@ -86,7 +86,7 @@ def density_sweep(folder: Path, inclination: float = 40.0) -> Path:
 @pytest.mark.parametrize("inclination", [0.0, 40.0])
 def test_every_picture_of_a_sweep_has_content(inclination: float, tmp_path: Path) -> None:
     files = draw_sweep(density_sweep(tmp_path / "out", inclination))
-    assert [file.name for file in files] == list(SWEEP_PICTURES)
+    assert [file.stem for file in files] == list(SWEEP_PICTURES)
     for file in files:
         assert (
             file.parent == tmp_path / "out" and len(np.unique(np.asarray(Image.open(file).convert("L")))) > 20

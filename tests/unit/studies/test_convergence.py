@@ -196,7 +196,7 @@ def test_every_default_curve_has_five_points_or_more(case_file):
         for curve in {p.curve for p in points}:
             assert sum(p.curve == curve for p in points) >= 5
     assert [p.ranks for p in plan_of("ranks", base)] == [1, 2]
-    names = {p.curve for p in plan_curves(("bdf1-fixed", "arkimex"), base)}
+    names = {p.curve for p in plan_curves("curves", ("bdf1-fixed", "arkimex"), base)}
     assert names == {"bdf1-fixed", "arkimex"}
 
 

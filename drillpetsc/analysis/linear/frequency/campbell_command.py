@@ -31,8 +31,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import CAMPBELL_TABLE, CRITICAL_MAP_TABLE, CRITICAL_TABLE
-from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.job import Job, RunResult
 
 
 def demand_wall(case: Case) -> None:
@@ -142,13 +141,13 @@ def run_campbell(
         found = campbell(states, sought, frequency == "wn")
         by_wall = critical_map(case, stiffness, sought, without_control, comm)
     summary = _summary(case, found, sought, states, frequency)
-    tables: list[FileTable] = [
-        (CAMPBELL_TABLE, COLUMNS["campbell"], _campbell_rows(found)),
-        (CRITICAL_TABLE, COLUMNS["critical"], _critical_rows(found, summary["case_speed"])),
-    ]
+    tables = {
+        CAMPBELL_TABLE: _campbell_rows(found),
+        CRITICAL_TABLE: _critical_rows(found, summary["case_speed"]),
+    }
     shown = _lines(case, found, summary)
     if stiffness:
-        tables.append((CRITICAL_MAP_TABLE, COLUMNS["critical_map"], map_rows(by_wall)))
+        tables[CRITICAL_MAP_TABLE] = map_rows(by_wall)
         said = f"  {len(by_wall)} critical speeds without damping at {len(stiffness)} stiffnesses of the wall: {CRITICAL_MAP_TABLE}"
         shown.append(said)
     return job.result(folder, summary, shown, tables)

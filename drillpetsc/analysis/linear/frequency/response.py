@@ -251,7 +251,7 @@ def _rows(at: _Shaken, word: str) -> list[list[Any]]:
             out.append([*head, lateral, 0.0, 0.0, axial, 0.0, turning, 0.0, axial, turning, lateral,
                         lateral / shape.clearance[k] if np.isfinite(shape.clearance[k]) else np.nan, word])  # fmt: skip
             if steady is not None:
-                out[-1] += [np.nan] * len(COLUMNS["response_stress"])
+                out[-1] += [np.nan] * (len(COLUMNS[RESPONSE_TABLE]) - len(out[-1]))
             continue
         cell, end = (place.node - 1, 1) if place.node else (0, 0)
         while cell > 0 and np.isclose(shape.mesh.length[cell], 0.0):
@@ -363,8 +363,7 @@ def run_response(
             "static_solutions": states.solved,
             "warnings": [*notes, *warnings],
         }
-    columns = (*COLUMNS["response"], *(COLUMNS["response_stress"] if stress else ()))
-    return job.result(folder, summary, _lines(case, summary), [(RESPONSE_TABLE, columns, table)])
+    return job.result(folder, summary, _lines(case, summary), {RESPONSE_TABLE: table})
 
 
 def _load(
@@ -473,8 +472,7 @@ def _closed_contacts(model: DrillingModel) -> int:
     return count
 
 
-STRESSES = (len(COLUMNS["response"]), len(COLUMNS["response"]) + 1)  # columns of stress amplitudes
-PEAKED = (4, 7, 9, 11, 12, 13, *STRESSES)  # columns of amplitudes
+PEAKED = (4, 7, 9, 11, 12, 13, 16, 17)  # columns of amplitudes
 
 
 def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
@@ -485,7 +483,7 @@ def _peaks(table: list[list[Any]]) -> list[dict[str, Any]]:
         for k in PEAKED:
             if k >= len(row):
                 continue
-            column = (*COLUMNS["response"], *COLUMNS["response_stress"])[k].name
+            column = COLUMNS[RESPONSE_TABLE][k].name
             if row[k] > entry.get(column, (-1.0, 0.0))[0]:
                 entry[column] = (row[k], row[0])
     return list(peaks.values())

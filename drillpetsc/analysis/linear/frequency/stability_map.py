@@ -28,9 +28,8 @@ from drillpetsc.output.files.run_folder import (
     STABILITY_RUNS_TABLE,
     STABILITY_TABLE,
 )
-from drillpetsc.output.job import FileTable, Job, RunResult
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
@@ -194,11 +193,8 @@ def run_stability(
     rows = [[rpm_of(p.speed), p.weight, p.growth, p.frequency, p.kind, p.imbalance] for p in points]
     ends = [[b.weight, rpm_of(b.speed), "above" if b.stable_above else "below"] for b in edges]
     did = [[rpm_of(r.speed), r.weight, r.index, r.before, r.stuck, r.behaviour] for r in runs]
-    tables: list[FileTable] = [
-        (STABILITY_TABLE, COLUMNS["stability_map"], rows),
-        (BOUNDARY_TABLE, COLUMNS["stability_boundary"], ends),
-    ]
-    tables += [(STABILITY_RUNS_TABLE, COLUMNS["stability_runs"], did)] if runs else []
+    tables: dict[str, list[Any]] = {STABILITY_TABLE: rows, BOUNDARY_TABLE: ends}
+    tables |= {STABILITY_RUNS_TABLE: did} if runs else {}
     return job.result(folder, summary, _lines(case, points, edges, summary), tables)
 
 

@@ -46,8 +46,7 @@ from drillpetsc.model.drilling_model import DrillingModel, build_model
 from drillpetsc.model.string_forces import held_at_weight
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import CONTACTS_TABLE, LIMITS_TABLE
-from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.static_table import static_table
 from drillpetsc.output.watches.buckling import buckling
 from drillpetsc.physics.bit.bit_on_bottom import bit_torque
@@ -100,7 +99,7 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
         doubts, remarks = (doubts_at(at_rest, kind) for kind in ("warning", "remark"))
         found, forces = static_state(model), item_forces(model)
         answer: Any = None
-        tables: list[FileTable] = []
+        tables: dict[str, list[dict[str, Any]]] = {}
         if comm.rank == 0:
             assert found is not None
             hole, pipe = Surroundings(model), Strength(model, choices)
@@ -146,9 +145,11 @@ def run_limits(job: Job, operation: str | None = None, choices: Choices | None =
                 "warnings": [*_state_warnings(state, word), *doubts_at(judged, "warning"), *doubts],
             }
             answer = summary
-            present = [q for q in COLUMNS["limits"] if q.name in table]
-            rows_present = zip(*(table[q.name] for q in present), strict=True)
-            tables = [(LIMITS_TABLE, present, rows_present), (CONTACTS_TABLE, COLUMNS["contacts"], contacts)]
+            cells = zip(*table.values(), strict=True)
+            tables = {
+                LIMITS_TABLE: [dict(zip(table, row, strict=True)) for row in cells],
+                CONTACTS_TABLE: contacts,
+            }
         summary = comm.tompi4py().bcast(answer)
     return job.result(folder, summary, _lines(given, summary, units), tables)
 

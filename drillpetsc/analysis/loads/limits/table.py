@@ -226,7 +226,7 @@ def rows(model: DrillingModel, values: dict[str, FloatArray]) -> dict[str, Any]:
     order = np.lexsort((table.pop("middle"), np.round(table["md"], 6)))
     return {
         name: table[name][order]
-        for name in (*(q.name for q in COLUMNS["limits"] if q.name in table), "jointed")
+        for name in (*(q.name for q in COLUMNS["limits.csv"] if q.name in table), "jointed")
     }
 
 

@@ -58,8 +58,7 @@ from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.geometry.well import Well
 from drillpetsc.output import write_summary
 from drillpetsc.output.files.run_folder import MEASURED_TABLE, ROADMAP_FILE, ROADMAP_TABLE
-from drillpetsc.output.job import FileTable, Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
+from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.shown_units import shown_unit
 from drillpetsc.unit_systems import System, plain
 
@@ -310,13 +309,9 @@ def run_roadmap(
     }
     if table is not None:
         summary["measured"] = table.summary
-    absent = {
-        "hook_load_total": asked.block_weight is None,
-        "hook_load_reading": sensor == Sensor(),
-        "ff_groups": not asked.pairs[0].groups,
-    }
-    tables: list[FileTable] = [] if table is None else [(MEASURED_TABLE, COLUMNS["beside"], table.rows)]
-    tables.append((ROADMAP_TABLE, [q for q in COLUMNS["roadmap"] if not absent.get(q.name, False)], rows))
+    absent = () if asked.pairs[0].groups else ("ff_groups",)
+    tables = {ROADMAP_TABLE: [{k: v for k, v in row.items() if k not in absent} for row in rows]}
+    tables |= {} if table is None else {MEASURED_TABLE: table.rows}
     if job.comm.rank == 0:
         write_summary(
             folder.path / ROADMAP_FILE,

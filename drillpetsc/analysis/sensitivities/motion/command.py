@@ -34,7 +34,6 @@ from drillpetsc.output import write_table
 from drillpetsc.output.files.json_file import plain
 from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
 from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
@@ -122,8 +121,7 @@ def run_sensitivities_of_run(
         every = case.output.history_every
         rows_at = _rows(series.times, series.times[-1] if every is None else float(every))
         _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series, rows_at)
-    tables = [(SENSITIVITIES_TABLE, COLUMNS["sensitivities"], rows)]
-    return job.result(folder, summary, _lines(case, found, summary), tables)
+    return job.result(folder, summary, _lines(case, found, summary), {SENSITIVITIES_TABLE: rows})
 
 
 def _until(series: RunSeries, column: int, names: Sequence[str]) -> dict[str, float]:

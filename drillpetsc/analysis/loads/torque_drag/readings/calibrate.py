@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.calibration.estimator import Fit
+from drillpetsc.analysis.calibration.estimator import Fit, Known
 from drillpetsc.analysis.calibration.words import keys_of_fit, lines_of_fit, undetermined
 from drillpetsc.analysis.loads.torque_drag.operations import plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import RESAMPLES, Drift
@@ -27,8 +27,7 @@ from drillpetsc.case.plausible.plausible_operations import readings
 from drillpetsc.errors import CaseError
 from drillpetsc.output.files.run_folder import CALIBRATION_TABLE
 from drillpetsc.output.job import Job, RunResult
-from drillpetsc.output.quantities.tables import COLUMNS
-from drillpetsc.unit_systems import System, shown
+from drillpetsc.unit_systems import shown
 
 FEWEST_DEPTHS = (
     30  # different bit depths from which errors are taken as correlated where the user says nothing
@@ -47,7 +46,7 @@ class Choices:
     parameters: tuple[str, ...] | None = None
     hold_out: str | None = None
     correlated: bool | None = None
-    priors: dict[str, tuple[float, float]] = field(default_factory=dict)
+    priors: Known = field(default_factory=dict)
     model: str = "soft"
 
 
@@ -59,7 +58,7 @@ def run_calibrate(
     points: measured; None: the case's. Every rank computes the same, the first one writes.
     """
     case = job.case
-    plan, system = plan_of(case), case.shown_units
+    plan = plan_of(case)
     points = plan.measured if points is None else points
     if not points:
         raise CaseError(at="--measured", want="a file of measured points, or roadmap.measured in the case")
@@ -73,14 +72,7 @@ def run_calibrate(
         work = Calibration(case, points, plan.hookload_excludes_block, forward)
         rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
     asked = work.factors if choices.parameters is None else choices.parameters
-    named = {name: work.parameter(name).name for name in asked}
-    parameters = tuple(dict.fromkeys(named.values()))
-    priors = {named.get(name, name): known for name, known in choices.priors.items()}
-    strange = [name for name in priors if name not in parameters]
-    if strange:
-        raise CaseError(
-            at="--prior", got=strange[0], want=f"a parameter that is fitted: {', '.join(parameters)}"
-        )
+    parameters, priors = work.named(asked, choices.priors)
     correlated = choices.correlated
     if correlated is None:
         correlated = len({point.bit_depth for point in points}) >= FEWEST_DEPTHS
@@ -88,7 +80,15 @@ def run_calibrate(
     fit = work.fit(parameters, correlated, priors)
     drift, prediction = drift_by_windows(work, fit), None if rest is None else predict(work, fit, rest)
     warnings, further = _warnings(work, fit, parameters, drift), next_readings(work, fit)
-    summary = _summary(case, work, fit, system, warnings, notes) | {"readings": len(work.data.value)}
+    summary = {
+        "title": case.title,
+        "units": case.shown_units,
+        "model": choices.model,
+        **keys_of_fit(work, fit),
+        "warnings": warnings,
+        "notes": notes,
+        "readings": len(work.data.value),
+    }
     summary |= _of_depth(fit, drift, prediction) | {"next_readings": [asdict(q) for q in further]}
     nothing = np.full(len(fit.computed), np.nan)
     rows = _rows(work, fit.computed, nothing, alone_by_reading(work, fit), "fitted")
@@ -96,7 +96,7 @@ def run_calibrate(
         alone = np.full(len(prediction.computed), np.nan)
         rows += _rows(prediction.work, prediction.computed, prediction.band, alone, "held_out")
     lines = _lines(work, fit, summary, told(further, work))
-    return job.result(job.make_folder(), summary, lines, [(CALIBRATION_TABLE, COLUMNS["measured"], rows)])
+    return job.result(job.make_folder(), summary, lines, {CALIBRATION_TABLE: rows})
 
 
 def _rows(work: Calibration, computed: Any, band: Any, alone: Any, part: str) -> list[dict[str, Any]]:
@@ -233,19 +233,6 @@ def _weight_error(work: Calibration) -> list[str]:
 def weight_share(work: Calibration, read: float, computed: float) -> float:
     """Difference of two hook loads [N] over the measured weight of the string without the block [-]."""
     return (computed - read) / max(abs(read - work.block), 1.0)
-
-
-def _summary(
-    case: Case, work: Calibration, fit: Fit, system: System, warnings: list[str], notes: list[str]
-) -> dict[str, Any]:
-    return {
-        "title": case.title,
-        "units": system,
-        "model": "soft" if work.is_soft else "stiff",
-        **keys_of_fit(work, fit),
-        "warnings": warnings,
-        "notes": notes,
-    }
 
 
 def _lines(work: Calibration, fit: Fit, summary: dict[str, Any], further: str) -> list[str]:

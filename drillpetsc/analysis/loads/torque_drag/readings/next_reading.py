@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.calibration.estimator import ALIKE, Fit
+from drillpetsc.analysis.calibration.words import widths_told
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import (
     LOCKED,
     RELATIVE_SIGMA,
@@ -68,7 +69,7 @@ def next_readings(work: Calibration, fit: Fit) -> list[NextReading]:
     alone = np.array([work.enough(name) for name in names]) / goal
     own = work.slopes(values, names, work.soft) / work.data.sigma * goal[:, None]
     known = np.array([1 / work.priors[q][1] if q in work.priors else 0.0 for q in names]) * goal
-    power = own @ own.T / _alike(fit) + np.diag(known**2 + NOTHING_KNOWN)
+    power = own @ own.T / fit.readings_alike + np.diag(known**2 + NOTHING_KNOWN)
     computed, d = trial.computed([values])[0], trial.data
     least = np.where(d.hook, SMALLEST_SIGMA["hook_load"], SMALLEST_SIGMA["surface_torque"])
     sigma = np.maximum(RELATIVE_SIGMA * np.abs(computed), least)
@@ -117,13 +118,6 @@ def _widths(power: FloatArray, spread: float, alone: FloatArray) -> tuple[FloatA
     return width, np.maximum(width, np.where(twin > 0, np.maximum(twin, wide), 0.0))
 
 
-def _alike(fit: Fit) -> float:
-    """Readings that count as one, because their errors are correlated along depth."""
-    if fit.lengths is None:
-        return 1.0
-    return max((n / fit.lengths.effective[q] for q, n in fit.lengths.count.items()), default=1.0)
-
-
 def _trial(work: Calibration, operations: Sequence[str]) -> Calibration | None:
     """Operations at the ends of the hole's sections and at the points' least, middle and largest depth; None if there are none."""
     depths = np.array([point.bit_depth for point in work.points])
@@ -163,8 +157,5 @@ def told(readings: Sequence[NextReading], work: Calibration) -> str:
     parts = [
         f"{WORDS[q.key]} of {q.operation} at {shown(q.bit_depth, 'length', work.units, 5)}" for q in readings
     ]
-    widths = (
-        f"{name} to +-{work.parameter(name).shown(w, work.units)}" for name, w in readings[-1].widths.items()
-    )
     verb = "would determine" if len(parts) == 1 else "would together determine"
-    return f"{', '.join(parts)} {verb} {', '.join(widths)}"
+    return f"{', '.join(parts)} {verb} {widths_told(work, readings[-1].widths)}"
