@@ -35,6 +35,7 @@ def rows_of(
     placed = loads.placed
     md = batch.md
     hook, torque = batch.tension[0], batch.torque[0]
+    wob = np.broadcast_to(loads.wob, len(placed))
     joint = hole.item_values("joint_length")[:, placed]
     side = [_side_force(hole, batch, joint[:, c], c) for c in range(len(placed))]
     factor, margin = stress_and_margin(hole, loads, batch, mud)
@@ -49,7 +50,7 @@ def rows_of(
             "surface_torque": torque[c],
             "stretch": batch.elongation[c],
             "twist": batch.twist[c],
-            "wob": loads.wob[c],
+            "wob": wob[c],
             "min_effective_tension": tension[lowest[c]],
             "md_of_min": md[lowest[c]],
             "neutral_point": neutral_point(md, tension),

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, SoftStrings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
 from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter, parameter_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well, rows_at
 from drillpetsc.analysis.sensitivities.keys import Key, changed_case
 from drillpetsc.arrays import FloatArray, IntArray
@@ -43,7 +42,7 @@ class SoftForward:
             self.well = need_well(case, "calibrate")
             gravity_of(case, "calibrate")
             self.rows, self.placed = self._placed_points()
-            self._strings = SoftEnds(self.well, self.rows, LONGEST_STEP)
+            self._strings = SoftStrings([Hole(self.well, [rows], LONGEST_STEP) for rows in self.rows])
         else:
             self.well, self.rows, self.placed, self._strings = (
                 like.well,
@@ -144,15 +143,15 @@ class SoftForward:
         columns = Columns(
             self.placed[string],
             friction[which],
-            np.ones(len(string)),
             wob,
             torque,
             velocity,
             rotation,
-            factor[which],
+            weight_factor=factor[which],
+            lift=self.lift * count if self.pumped else None,
             thrust=self.thrust[string],
         )
-        tension, moment, *_ = self._strings.ends(columns, self.lift * count if self.pumped else None)
+        tension, moment, *_ = self._strings.ends(columns)
         return tension.reshape(count, n), moment.reshape(count, n)
 
     def _placed_points(self) -> tuple[list[StringRows], IntArray]:
@@ -217,7 +216,7 @@ class SoftForward:
 
         flows: rate [m3/s] of each point, and the key that gives it.
         """
-        edges = [self._strings.edges[p] for p in self.placed]
+        edges = [self._strings.holes[p].edges for p in self.placed]
         self.lift = [np.zeros(len(q) - 1) for q in edges]
         self.thrust = np.zeros(len(flows))
         pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]
