@@ -36,13 +36,7 @@ def run_calibrate_log(
     run = run_of(case, job.comm)
     log = log_series(file, case, run.names)
     work = RunCalibration(run, log)
-    named = {name: work.parameter(name).name for name in names}
-    parameters = tuple(dict.fromkeys(named.values()))
-    priors = {named.get(name, name): known for name, known in priors.items()}
-    strange = [name for name in priors if name not in parameters]
-    if strange:
-        want = f"a parameter that is fitted: {', '.join(parameters)}"
-        raise CaseError(at="--prior", got=strange[0], want=want)
+    parameters, priors = work.asked(names, priors)
     if len(log.value) <= len(parameters):
         want = f"more than {len(parameters)} readings, as many numbers are fitted"
         raise CaseError(file=log.file, got=f"{len(log.value)} readings", want=want)

@@ -6,7 +6,7 @@ A subclass has the readings and the model that computes them (manual: sec-soft-s
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Lengths
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter
 from drillpetsc.arrays import FloatArray
-from drillpetsc.errors import SolveError
+from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.unit_systems import System, shown
 
 SOFT_SCALE = 3.0  # of soft_l1, in standard errors
@@ -93,6 +93,19 @@ class Estimator(ABC):
     @abstractmethod
     def parameter(self, name: str) -> Parameter:
         """A parameter by its name; raises CaseError."""
+
+    def asked(
+        self, names: Sequence[str], priors: Mapping[str, tuple[float, float]]
+    ) -> tuple[tuple[str, ...], dict[str, tuple[float, float]]]:
+        """The parameters and their priors by the names that they have here; raises CaseError for a prior of no parameter."""
+        named = {name: self.parameter(name).name for name in names}
+        parameters = tuple(dict.fromkeys(named.values()))
+        known = {named.get(name, name): prior for name, prior in priors.items()}
+        for name in known:
+            if name not in parameters:
+                want = f"a parameter that is fitted: {', '.join(parameters)}"
+                raise CaseError(at="--prior", got=name, want=want)
+        return parameters, known
 
     @abstractmethod
     def default(self, name: str) -> float:

@@ -143,7 +143,7 @@ def _origins(stiff: StiffForward, at: Mapping[str, float]) -> tuple[Origin, Orig
     hole, flow = Hole(soft.well, [soft.rows[0]]), soft.flow_at(0)
     wob, torque, velocity, rotation = soft.loads.T
     columns = Columns(
-        np.zeros(1, dtype=int), soft.friction(at)[None], wob, torque, velocity, rotation, weight_factor=at["weight_factor"],
+        np.zeros(1, dtype=int), soft.groups.friction(at)[None], wob, torque, velocity, rotation, weight_factor=at["weight_factor"],
         lift=None if flow is None else [flow.lift(hole.edges)], thrust=0.0 if flow is None else flow.thrust,
     )  # fmt: skip
     batch = soft_strings(hole, columns)

@@ -10,7 +10,7 @@ import numpy as np
 from drillpetsc.analysis.follow.state import HOOK, TORQUE, State
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, SoftStrings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import FlowTable
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
@@ -76,8 +76,8 @@ class Strings:
         self.case, self.well = case, need_well(case, "follow")
         gravity_of(case, "follow")
         self.names = [q.name for q in states]
-        self.group, self.own = groups_of(case), np.array([s.friction for s in case.given_well.sections])
-        self.groups = [str(name) for name in dict.fromkeys(self.group)]
+        self._friction = groups_of(case)
+        self.groups = list(self._friction.last)
         self.sensor, self.remarks = sensor_of(case), list[str]()
         self.tangents: dict[str, Tangent] = {}
         self._depth = np.nan
@@ -122,9 +122,7 @@ class Strings:
         own = np.column_stack([*(of[name] for name in groups), of["weight_factor"], bit])
         own[:, : len(groups)] = np.clip(own[:, : len(groups)], 0.0, 1.0)
         own, which = np.unique(own, axis=0, return_inverse=True)
-        friction = np.tile(self.own, (len(own), 1))
-        for k, name in enumerate(groups):
-            friction[:, self.group == name] = own[:, k][:, None]
+        friction = self._friction.friction(dict(zip(groups, own.T, strict=False)))
         string = self._at(load.bit_depth)
         lift, thrust = self._mud(load, string.holes[0].edges)
         columns = Columns(
@@ -181,11 +179,3 @@ class Strings:
                 remark = f"forces of the mud left out near {self._flow_depth(i):.0f} m: {' '.join(str(error).split())[:160]}"
                 self.remarks += [] if remark in self.remarks else [remark]
         return self._flows[i, j]
-
-
-def factors_of(case: Case) -> list[tuple[str, float]]:
-    """(group of the hole, its friction factor) of a case; of several sections in a group that of the deepest."""
-    group, own = groups_of(case), [float(s.friction) for s in case.given_well.sections]
-    names = dict.fromkeys([*(k for k in KINDS if (group == k).any()), *map(str, group)])
-    last = dict(zip(map(str, group), own, strict=True))
-    return [(name, last[name]) for name in names]

@@ -73,14 +73,7 @@ def run_calibrate(
         work = Calibration(case, points, plan.hookload_excludes_block, forward)
         rest = Calibration(case, held, plan.hookload_excludes_block, forward) if held else None
     asked = work.factors if choices.parameters is None else choices.parameters
-    named = {name: work.parameter(name).name for name in asked}
-    parameters = tuple(dict.fromkeys(named.values()))
-    priors = {named.get(name, name): known for name, known in choices.priors.items()}
-    strange = [name for name in priors if name not in parameters]
-    if strange:
-        raise CaseError(
-            at="--prior", got=strange[0], want=f"a parameter that is fitted: {', '.join(parameters)}"
-        )
+    parameters, priors = work.asked(asked, choices.priors)
     correlated = choices.correlated
     if correlated is None:
         correlated = len({point.bit_depth for point in points}) >= FEWEST_DEPTHS

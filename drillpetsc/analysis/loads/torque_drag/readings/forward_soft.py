@@ -8,7 +8,7 @@ import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, SoftStrings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of, load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter, parameter_of
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well, rows_at
@@ -31,7 +31,7 @@ class SoftForward:
 
     case: with a well; points: measured; like: strings of a case that differs in its roadmap only, which are the same.
     Raises CaseError for points that the string cannot reach.
-    own: (m,) friction of the hole's sections; group: (m,) their groups; factors: names of the groups, each with one friction factor.
+    groups: friction of the hole's sections; factors: names of the groups, each with one friction factor.
     loads: (n, 4) weight on bit, its torque, axial velocity and rotation of each point.
     """
 
@@ -50,11 +50,8 @@ class SoftForward:
                 like.placed,
                 like._strings,
             )
-        self.group = groups_of(case)
-        self.factors = tuple(
-            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
-        )
-        self.own = np.array([s.friction for s in case.given_well.sections])
+        self.groups = groups_of(case)
+        self.factors = tuple(self.groups.last)
         self.loads, self._rates = self._loads_of_points()
         self.pumped = any(flow for flow, _ in self._rates)
         #: operations of points with the pumps off
@@ -97,14 +94,6 @@ class SoftForward:
         found = self._with(changes)
         return self._made(changes) if found is None else found
 
-    def friction(self, values: Values) -> FloatArray:
-        """(m,) friction of the hole's sections."""
-        friction = self.own.copy()
-        for name in self.factors:
-            if name in values:
-                friction[self.group == name] = values[name]
-        return friction
-
     def flow_at(self, i: int) -> Circulation | None:
         """Forces of the mud at a point; None if it stands still there."""
         flow, at = self._rates[i]
@@ -136,7 +125,7 @@ class SoftForward:
     def _ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
         """As ``ends``, with the numbers of this case."""
         count, n = len(sets), len(self.points)
-        friction = np.array([self.friction(values) for values in sets])
+        friction = np.array([self.groups.friction(values) for values in sets])
         factor = np.array([values.get("weight_factor", 1.0) for values in sets])
         string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
         wob, torque, velocity, rotation = self.loads[string].T
