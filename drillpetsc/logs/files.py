@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from drillpetsc.case.files.named_file import cells_of, is_comment, lines_of, text_of
 from drillpetsc.case.importers.las import curves_of
 from drillpetsc.case.importers.sheet import cell_text, workbook
 from drillpetsc.case.importers.xml_tree import Element, read_xml
@@ -68,30 +68,13 @@ def not_a_log(file: Path, line: int, got: str = "lines without these names") -> 
 
 
 # ---------------------------------------------------------------------- text
-def _decoded(file: Path) -> str:
-    raw = file.read_bytes()
-    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
-    try:
-        if b"\0" in raw and not wide:
-            raise ValueError
-        return raw.decode("utf-16" if wide else "utf-8-sig")
-    except ValueError:
-        if b"\0" in raw:
-            raise CaseError(file=file, want="a text file in UTF-8") from None
-        return raw.decode("cp1252", "replace")
-
-
 def _text(file: Path) -> Sheet:
-    lines = re.split(r"\r\n|\r|\n", _decoded(file))
-    some = [
-        (i, line)
-        for i, line in enumerate(lines, 1)
-        if line.strip() and not line.lstrip().startswith(("#", "//", "!"))
-    ]
+    lines = lines_of(text_of(file, MAX_BYTES)[0])
+    some = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not is_comment(line)]
     for place, (number, line) in enumerate(some[:TITLE_LINES]):
         for mark, titles, headings in possible_headings(line, file, number):
             if is_log(headings):
-                rows = [(i, text_cells(text, mark, file, i)) for i, text in some[place + 1 :]]
+                rows = [(i, cells_of(text, mark, file, i)) for i, text in some[place + 1 :]]
                 return _sheet(file, number, titles, headings, rows)
     raise not_a_log(file, some[0][0] if some else 1)
 
@@ -99,19 +82,8 @@ def _text(file: Path) -> Sheet:
 def possible_headings(line: str, file: Path, number: int) -> Iterator[tuple[str, list[str], list[Heading]]]:
     """(mark between cells, cells, what they say as headings) of a line, for each mark that it may have."""
     for mark in [m for m in ("\t", ";", "|", ",") if m in line] + [" "]:
-        titles = text_cells(line, mark, file, number)
+        titles = cells_of(line, mark, file, number)
         yield mark, titles, [heading_of(title) for title in titles]
-
-
-def text_cells(line: str, mark: str, file: Path, number: int) -> list[str]:
-    if mark == " ":
-        return line.split()
-    try:
-        return [cell.strip() for cell in next(csv.reader([line], delimiter=mark, skipinitialspace=True), [])]
-    except csv.Error as error:
-        raise CaseError(
-            got=line[:60], want="cells of a table", hint=str(error), file=file, line=number
-        ) from None
 
 
 def _sheet(
@@ -186,7 +158,7 @@ def _cell(value: Any) -> str:
 
 # ---------------------------------------------------------------------- LAS
 def _las(file: Path) -> Sheet:
-    text = _decoded(file)
+    text = text_of(file, MAX_BYTES)[0]
     version = re.search(r"^\s*VERS\s*\.\s*([\d.]+)", text, re.MULTILINE | re.IGNORECASE)
     if version and version.group(1).startswith("3"):
         curves, null = _las3(file, text)
@@ -218,7 +190,7 @@ def _las3(file: Path, text: str) -> tuple[Curves, str]:
             section = re.split(r"[|\s]", line.strip()[1:].casefold())[0]
             continue
         if section in ("log_data", "ascii", "a"):
-            data.append((number, text_cells(line, mark, file, number)))
+            data.append((number, cells_of(line, mark, file, number)))
             continue
         match = re.match(r"\s*([^.\s:]+)\s*\.(\S*)\s*(.*?)\s*(?::.*)?$", line)
         if match and section in ("log_definition", "curve", "c"):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.case.files.named_file import cells_of
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import READINGS, Heading
 from drillpetsc.logs.clock import ClockError, clock_times
@@ -20,7 +21,6 @@ from drillpetsc.logs.files import (
     is_log,
     not_a_log,
     possible_headings,
-    text_cells,
     units_below,
 )
 from drillpetsc.logs.log import NUMBER, Log, chosen_columns, column_numbers
@@ -85,7 +85,7 @@ class LogStream:
                 self._look_for_headings(line)
                 continue
             try:
-                row = text_cells(line, self._mark, self.name, self.lines)
+                row = cells_of(line, self._mark, self.name, self.lines)
             except CaseError:
                 row = []
             if len(row) < len(self._sheet.titles) or any(row[len(self._sheet.titles) :]):

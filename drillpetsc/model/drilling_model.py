@@ -20,7 +20,7 @@ from drillpetsc.geometry.frames import Frames, transported_frames
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import StraightAxis, Well
 from drillpetsc.model.fluid import FluidComponents, StringInMud, build_fluid
-from drillpetsc.model.hole import build_well, hole_depth
+from drillpetsc.model.hole import axis_of, build_well, hole_depth
 from drillpetsc.model.mesh import MeshOf, build_mesh, curvature_by_tool_face
 from drillpetsc.model.own_components import Site, own_components
 from drillpetsc.model.quaternion import quaternion_components
@@ -199,7 +199,7 @@ def build_model(
         raise CaseError(at="components", want=want)
     well = well_of_reamer(case, build_well(case))
     mesh = build_mesh(case, well, motion, like)
-    position, tangent = _axis(case, mesh, well)
+    position, tangent = axis_of(case, well).at(mesh.node_depth)[:2]
     frames = transported_frames(tangent)
     mesh = _balanced(mesh) if balanced else curvature_by_tool_face(mesh, frames)
     string = _NO_STRING
@@ -375,17 +375,6 @@ def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, 
 
 
 # ---------------------------------------------------------------------- geometry
-def _axis(case: Case, mesh: StringMesh, well: Well | None) -> tuple[FloatArray, FloatArray]:
-    """Compute positions [m] and unit tangents of the nodes, (n_nodes, 3) each, of the unstrained string.
-
-    The string lies along the hole, or along the initial direction of a case without a hole.
-    """
-    i, a = case.initial.inclination, case.initial.azimuth
-    line = StraightAxis(np.zeros(3), np.array([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)]))
-    position, tangent, _ = (well or line).at(mesh.node_depth)
-    return np.asarray(position), np.asarray(tangent)
-
-
 # ---------------------------------------------------------------------- ends
 def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
     """Create the path along which the top moves; None if it is one straight line."""

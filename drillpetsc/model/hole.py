@@ -6,7 +6,7 @@ import numpy as np
 
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError
-from drillpetsc.geometry.well import Well
+from drillpetsc.geometry.well import StraightAxis, Well, direction
 
 ROUNDING = 1e-9  # difference of two lengths that is none [m]
 
@@ -28,6 +28,11 @@ def build_well(case: Case) -> Well | None:
         )
     except ValueError as error:
         raise CaseError(at="well", want=str(error)) from None
+
+
+def axis_of(case: Case, well: Well | None) -> Well | StraightAxis:
+    """The axis along which the unstrained string lies: of the hole, or the initial direction of a case without one."""
+    return well or StraightAxis(np.zeros(3), direction(case.initial.inclination, case.initial.azimuth))
 
 
 def top_of_string(case: Case, length: float) -> float:

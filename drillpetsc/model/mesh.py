@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -17,31 +17,22 @@ from drillpetsc.case.blocks.ends import PointLoad
 from drillpetsc.case.blocks.items.joints import Joint
 from drillpetsc.case.blocks.items.motor import PositiveDisplacementMotor
 from drillpetsc.case.blocks.items.steering import PushSteering, RotarySteerable
-from drillpetsc.case.blocks.items.string import Beam as BeamItem
-from drillpetsc.case.blocks.items.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer, Tool, Tube
+from drillpetsc.case.blocks.items.string import Bend, Bit, Flexible, Item, Rigid, Stabilizer
 from drillpetsc.case.blocks.items.tools import Jar, JarSection, ShockSub, TelescopingTool
-from drillpetsc.case.blocks.items.tubulars import Tubular
 from drillpetsc.case.blocks.settings import STARTS
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import element_count
-from drillpetsc.case.pipe.section import tubular_section
 from drillpetsc.errors import CaseError
-from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh, plain_sizes, tube
+from drillpetsc.fem.string_mesh import BentCell, JarLaw, RigidItem, StringJoint, StringMesh
 from drillpetsc.geometry.frames import Frames, axial_curvature
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.element_length import ElementLengths, choose_lengths
 from drillpetsc.model.hole import build_well
+from drillpetsc.model.item_section import section_of
 from drillpetsc.model.string_forces import StringForces, estimate_forces
 from drillpetsc.unit_systems import System, shown
 
 BEND_LENGTH = 0.5  # the kink of a bent sub is distributed over an element of this length [m] (manual: sec-junctions-bend)
-STIFFNESS_AND_MASS = (
-    "axial_stiffness",
-    "bending_stiffness",
-    "torsional_stiffness",
-    "mass",
-    "polar_inertia",
-)
 NODE_TOLERANCE = 1e-6  # depths closer than this are one node [m]; relative beyond 1 m
 
 JAR_ROUNDING = 1e-5  # length over which the stop of a jar sets in [m]
@@ -335,35 +326,15 @@ def _with_sections(rows: list) -> list:
 
 
 def _section(item: Flexible, units: System) -> dict[str, float]:
-    """Section values of a flexible item, in the units of ``StringMesh``."""
-    if isinstance(item, Tubular):
-        columns = {q.name for q in fields(StringMesh)}
-        values = {key: value for key, value in vars(tubular_section(item)).items() if key in columns}
-        damping = item.material.damping
-    elif isinstance(item, Tube):
-        m = item.material
-        values = tube(item.od, item.id, m.young, m.poisson, m.density)
-        damping = m.damping
-        if isinstance(item, Tool):
-            values |= item.given_stiffness
-        if isinstance(item, PositiveDisplacementMotor):  # the rotor's mass is at the motor's joint
-            values["mass"] -= item.pdm.rotor_mass / item.length
-            if not values["mass"] > 0:
-                whole = values["mass"] * item.length + item.pdm.rotor_mass
-                want = f"less than the mass of the item, {shown(whole, 'mass', units)}"
-                got = shown(item.pdm.rotor_mass, "mass", units)
-                raise CaseError(at="string: pdm.rotor_mass", got=got, want=want)
-    else:
-        assert isinstance(item, BeamItem)
-        values = {k: getattr(item, k) for k in STIFFNESS_AND_MASS}
-        damping = item.damping
-    values |= {"stiffness_damping": damping.stiffness, "mass_damping": damping.mass}
-    sizes = plain_sizes(item.od or 0.0, item.id)
-    if item.annulus_od is not None:
-        sizes |= dict.fromkeys(("outer_area", "tube_outer_area"), item.outer_section)
-    if item.bore_volume is not None:
-        sizes |= dict.fromkeys(("bore_area", "tube_bore_area"), item.bore_section)
-    return {**sizes, **values}
+    """Section values of a flexible item; the mass of a motor's rotor is at the motor's joint."""
+    values = section_of(item)
+    if isinstance(item, PositiveDisplacementMotor):
+        whole, rotor = values["mass"] * item.length, item.pdm.rotor_mass
+        values["mass"] -= rotor / item.length
+        if not values["mass"] > 0:
+            want = f"less than the mass of the item, {shown(whole, 'mass', units)}"
+            raise CaseError(at="string: pdm.rotor_mass", got=shown(rotor, "mass", units), want=want)
+    return values
 
 
 def _polar(size: float, angle: float) -> tuple[float, float]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.case.blocks.items.string import Rigid, Stabilizer, Tube
+from drillpetsc.case.blocks.items.string import Rigid, Tube
 from drillpetsc.case.blocks.items.tubulars import Jointed
 from drillpetsc.case.blocks.well import Section
 from drillpetsc.case.case import Case
-from drillpetsc.case.pipe.section import TubularSection, metal_past, tubular_section
+from drillpetsc.case.pipe.section import TubularSection, tubular_section
 from drillpetsc.fem.string_mesh import StringMesh
+from drillpetsc.model.item_section import metal_of
 from drillpetsc.physics.fluid.channels import AnnulusWalls, Bore
 from drillpetsc.physics.fluid.tool_losses import LossTable
 
@@ -41,15 +42,10 @@ def _rigid_runs(case: Case, mesh: StringMesh) -> tuple[FloatArray, FloatArray]:
         if isinstance(item, Rigid)
     ]
     for (item, depth), body in zip(items, mesh.bodies, strict=True):
-        density = item.material.density
         bore = item.bore_section
         if bore == 0.0:  # no bore given: the bore of the pipe beside the item
             bore = np.pi / 4 * mesh.inner_diameter[min(body.node, len(mesh.upper) - 1)] ** 2
-        metal = body.mass / density
-        if item.annulus_od is not None:
-            metal = item.outer_section * body.length - bore * body.length
-        elif isinstance(item, Stabilizer) and item.bypass_area is not None:
-            metal = metal_past(item, case.given_well.diameter_at(depth))
+        metal = metal_of(item, bore, case.well, depth)
         area[body.node] += np.array([bore * body.length, metal])
         volume[body.node] += metal
         length[body.node] += body.length

@@ -19,7 +19,7 @@ from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.case import Case
 from drillpetsc.case.quantities import largest
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.hole import hole_depth
+from drillpetsc.model.hole import axis_of, top_of_string
 
 MAX_STEP = 5.0  # longest piece of the string in the estimate [m]
 HELIX_FACTOR = 2 * np.sqrt(2.0)  # manual: eq-statics-march
@@ -86,7 +86,7 @@ def estimate_forces(
     places: measured depths [m] where pieces end, beside items' ends and the hole's nodes.
     """
     case = held_at_weight(case)
-    shift = _top(case)
+    shift = top_of_string(case, case.string_length)
     md, item = _pieces(case, well, shift, places)
     middle, h = 0.5 * (md[1:] + md[:-1]), np.diff(md)
     tangent, curvature, change = _hole(case, well, md, middle, shift)
@@ -202,13 +202,6 @@ class _Pieces:
         return out
 
 
-def _top(case: Case) -> float:
-    """Measured depth in the hole of the string's top [m]: a string with a weight on bit is on the bottom."""
-    if case.well is None or case.initial.wob is None:
-        return 0.0
-    return hole_depth(case) - case.string_length
-
-
 def _pieces(
     case: Case, well: Well | None, shift: float, places: Sequence[float]
 ) -> tuple[FloatArray, np.ndarray]:
@@ -232,12 +225,9 @@ def _hole(
     case: Case, well: Well | None, md: FloatArray, middle: FloatArray, shift: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Tangent (n, 3), curvature vector (n, 3) [1/m] of the hole at the pieces, jump of the curvature (n+1,)."""
-    if well is None:
-        i, a = case.initial.inclination, case.initial.azimuth
-        direction = np.array([np.sin(i) * np.cos(a), np.sin(i) * np.sin(a), np.cos(i)])
-        return np.tile(direction, (len(middle), 1)), np.zeros((len(middle), 3)), np.zeros(len(md))
-    _, tangent, curvature = (np.asarray(q) for q in well.at(middle + shift))
-    above, below = (np.asarray(well.at(md + shift + d)[2]) for d in (-1e-6, 1e-6))
+    axis = axis_of(case, well)
+    _, tangent, curvature = (np.asarray(q) for q in axis.at(middle + shift))
+    above, below = (np.asarray(axis.at(md + shift + d)[2]) for d in (-1e-6, 1e-6))
     change = np.linalg.norm(below - above, axis=1)
     change[[0, -1]] = 0.0
     return tangent, curvature, change

@@ -8,7 +8,6 @@ import json
 import numpy as np
 import pytest
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import circulation
 from drillpetsc.analysis.loads.torque_drag.readings.by_depth import drift_by_windows
 from drillpetsc.analysis.loads.torque_drag.readings.calibrate import Choices, run_calibrate
@@ -16,8 +15,6 @@ from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibrati
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.readings.reading import corrected_points
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import weight_over_line
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
-from drillpetsc.analysis.loads.torque_drag.string_rows import need_well, rows_at
 from drillpetsc.analysis.statics.start.soft_string import torque_drag
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.case import Case
@@ -415,36 +412,3 @@ def test_flow_between_depths_and_rates_is_that_of_a_solve():
         if total[0] != pytest.approx(total[1], rel=0.005) or thrust != pytest.approx(exact.thrust, rel=0.001):
             wrong.append((depth, rate, total, thrust, exact.thrust))
     assert not wrong
-
-
-def test_compiled_soft_string_is_the_batch():
-    """Tension and torque at the top equal those of the batch, also for strings that coil or break down."""
-    made = case()
-    well = need_well(made, "calibrate")
-    rng = np.random.default_rng(1)
-    n = 60
-    for depth in (900.0, 1700.0, 2860.0):
-        rows = rows_at(made, depth)
-        hole = Hole(well, [rows], 25.0)
-        lift = rng.uniform(-5, 5, (len(hole.h), n))
-        loads = Columns(
-            np.zeros(n, dtype=int),
-            rng.uniform(0, 0.5, (n, 2)),
-            np.ones(n),
-            rng.uniform(0, 6e5, n) * (rng.random(n) > 0.3),
-            rng.uniform(0, 5e3, n),
-            rng.uniform(-0.5, 0.5, n) * (rng.random(n) > 0.3),
-            rng.uniform(0, 15, n) * (rng.random(n) > 0.3),
-            rng.uniform(0.9, 1.1, n),
-            lift,
-            rng.uniform(0, 1e4, n),
-        )
-        batch = soft_strings(hole, loads)
-        ends = SoftEnds(well, [rows], 25.0).ends(loads, [lift[:, i].copy() for i in range(n)])
-        tension, torque, *ratios = ends
-        np.testing.assert_array_equal(np.isnan(tension), np.isnan(batch.tension[0]))
-        np.testing.assert_allclose(tension, batch.tension[0], rtol=1e-10, atol=1e-6)
-        np.testing.assert_allclose(torque, batch.torque[0], rtol=1e-10, atol=1e-6)
-        borne = ~np.isnan(tension)
-        np.testing.assert_allclose(np.array(ratios)[:, borne], batch.ratios.max(axis=1)[:, borne], rtol=1e-9)
-        assert (batch.state == 2).any()

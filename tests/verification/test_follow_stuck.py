@@ -61,17 +61,7 @@ def pulled(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(tension at the top (c,), stretch (c,), tension at depths) of a string that slides up, with pulls (c,) at its lower end [N]."""
     well, n = case_and_well()[1], len(pulls)
-    one = np.ones(n)
-    columns = Columns(
-        np.zeros(n, dtype=int),
-        np.tile(friction, (n, 1)),
-        one,
-        -np.asarray(pulls),
-        0 * one,
-        0.1 * one,
-        0 * one,
-        one,
-    )
+    columns = Columns(np.zeros(n, dtype=int), np.tile(friction, (n, 1)), -np.asarray(pulls), 0.0, 0.1, 0.0)
     batch = soft_strings(Hole(well, [rows]), columns)
     return batch.tension[0], batch.elongation, np.column_stack([batch.md, batch.tension[:, 0]])
 

@@ -101,11 +101,10 @@ def _strength_left(case: Case, update: Update, follower: Follower) -> float:
     of = dict(zip((q.name for q in follower.states), update.belief.mean, strict=True))
     placed = rows_at(case, load.bit_depth, "bit depth")
     hole = Hole(strings.well, [placed])
-    friction = np.array([[float(np.clip(of[str(name)], 0.0, 1.0)) for name in groups_of(case)]])
-    one = np.ones(1)
+    friction = groups_of(case).friction({name: [float(np.clip(mu, 0.0, 1.0))] for name, mu in of.items()})
     columns = Columns(
-        np.zeros(1, dtype=int), friction, one, load.wob * one, np.nan_to_num(load.torque_on_bit) * one, load.velocity * one,
-        load.rotation * one, of["weight_factor"] * one,
+        np.zeros(1, dtype=int), friction, load.wob, np.nan_to_num(load.torque_on_bit), load.velocity, load.rotation,
+        weight_factor=of["weight_factor"],
     )  # fmt: skip
     batch = soft_strings(hole, columns)
     mud = still_mud(hole, [mud_in_bore(case, placed.depth)], densities_of(case), gravity_of(case, "follow"))

@@ -143,14 +143,16 @@ def _origins(stiff: StiffForward, at: Mapping[str, float]) -> tuple[Origin, Orig
     hole, flow = Hole(soft.well, [soft.rows[0]]), soft.flow_at(0)
     wob, torque, velocity, rotation = soft.loads.T
     columns = Columns(
-        np.zeros(1, dtype=int), soft.friction(at)[None], np.ones(1), wob, torque, velocity, rotation,
-        np.array([at["weight_factor"]]), None if flow is None else flow.lift(hole.edges)[:, None],
-        None if flow is None else np.array([flow.thrust]),
+        np.zeros(1, dtype=int), soft.groups.friction(at)[None], wob, torque, velocity, rotation, weight_factor=at["weight_factor"],
+        lift=None if flow is None else [flow.lift(hole.edges)], thrust=0.0 if flow is None else flow.thrust,
     )  # fmt: skip
     batch = soft_strings(hole, columns)
     marks = np.arange(md[-1, 1], md[0, 0], -0.1 * WINDOW)
     out = []
-    for own, other, more in ((state.effective, batch.tension, 0.0), (state.torque, batch.torque, torque[0])):
+    for own, other, more in (
+        (state.effective, batch.tension, 0.0),
+        (state.torque, batch.torque, torque[0]),
+    ):
         off = np.interp(marks, md.ravel(), own.ravel() + more) - np.interp(marks, hole.edges, other[:, 0])
         gained = (off[10:] - off[:-10]) * np.sign(off[-1] - off[0])
         k = int(np.argmax(gained))

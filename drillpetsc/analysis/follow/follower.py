@@ -13,8 +13,8 @@ from drillpetsc.analysis.follow.alarms import Alarm, Error, PressureTrack, Watch
 from drillpetsc.analysis.follow.beam import Beam, Compared, Model
 from drillpetsc.analysis.follow.sigma_points import Belief, Expected, corrected, expected
 from drillpetsc.analysis.follow.state import STAND, first_belief, states_of, walked, with_priors
-from drillpetsc.analysis.follow.strings import SLIPS, Load, Strings, factors_of
-from drillpetsc.analysis.loads.torque_drag.operations import load_of, plan_of
+from drillpetsc.analysis.follow.strings import SLIPS, Load, Strings
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of, load_of, plan_of
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.units import to_si
@@ -107,7 +107,7 @@ class Follower:
     ) -> None:  # fmt: skip
         self.case = case
         drilling = load_of(case, plan_of(case), "drilling")
-        self.states = states_of(factors_of(case), block, drilling.torque / max(drilling.wob, 1.0))
+        self.states = states_of(groups_of(case).last, block, drilling.torque / max(drilling.wob, 1.0))
         self.states = with_priors(self.states, priors or {})
         self.strings = Strings(case, self.states)
         self.beam = Beam(self.strings, model)

@@ -33,14 +33,17 @@ class State:
     length: float | None = None
 
 
-def states_of(factors: Sequence[tuple[str, float]], block: float, bit_torque: float) -> tuple[State, ...]:
+def states_of(factors: Mapping[str, float], block: float, bit_torque: float) -> tuple[State, ...]:
     """The states of a string; those that it is integrated with come first, so that sigma points of the others leave it as it is.
 
-    factors: (group of the hole, its friction factor in the case); block: weight [N]; bit_torque: torque over weight on bit [m].
+    factors: group of the hole -> its friction factor in the case; block: weight [N]; bit_torque: torque over weight on bit [m].
     """
     return (
         # a casing stays as it is; an open hole changes as it is drilled and stands open
-        *(State(name, mu, 0.05) if name == "cased" else State(name, mu, 0.1, 0.002) for name, mu in factors),
+        *(
+            State(name, mu, 0.05) if name == "cased" else State(name, mu, 0.1, 0.002)
+            for name, mu in factors.items()
+        ),
         State("weight_factor", 1.0, 0.02, 0.004 * PER_STAND),
         State("bit_torque", bit_torque, 0.5 * bit_torque, 0.02 * bit_torque),
         State("block_weight", block, to_si("30 kN", "N"), to_si("0.05 kN", "N")),

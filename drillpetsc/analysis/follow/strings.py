@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.analysis.follow.state import HOOK, TORQUE, State
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, SoftStrings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import FlowTable
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, sensor_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import gravity_of, need_well, rows_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -77,12 +76,12 @@ class Strings:
         self.case, self.well = case, need_well(case, "follow")
         gravity_of(case, "follow")
         self.names = [q.name for q in states]
-        self.group, self.own = groups_of(case), np.array([s.friction for s in case.given_well.sections])
-        self.groups = [str(name) for name in dict.fromkeys(self.group)]
+        self._friction = groups_of(case)
+        self.groups = list(self._friction.last)
         self.sensor, self.remarks = sensor_of(case), list[str]()
         self.tangents: dict[str, Tangent] = {}
         self._depth = np.nan
-        self._string: SoftEnds | None = None
+        self._string: SoftStrings | None = None
         self._flows: dict[tuple[int, int], Circulation | None] = {}
 
     def readings(self, points: FloatArray, load: Load) -> FloatArray:
@@ -123,16 +122,14 @@ class Strings:
         own = np.column_stack([*(of[name] for name in groups), of["weight_factor"], bit])
         own[:, : len(groups)] = np.clip(own[:, : len(groups)], 0.0, 1.0)
         own, which = np.unique(own, axis=0, return_inverse=True)
-        same, friction = np.ones(len(own)), np.tile(self.own, (len(own), 1))
-        for k, name in enumerate(groups):
-            friction[:, self.group == name] = own[:, k][:, None]
+        friction = self._friction.friction(dict(zip(groups, own.T, strict=False)))
         string = self._at(load.bit_depth)
-        lift, thrust = self._mud(load, string.edges[0])
+        lift, thrust = self._mud(load, string.holes[0].edges)
         columns = Columns(
-            np.zeros(len(own), dtype=int), friction, same, load.wob * same, own[:, -1], load.velocity * same,
-            load.rotation * same, own[:, -2], thrust=thrust * same,
+            np.zeros(len(own), dtype=int), friction, load.wob, own[:, -1], load.velocity, load.rotation,
+            weight_factor=own[:, -2], lift=None if lift is None else [lift] * len(own), thrust=thrust,
         )  # fmt: skip
-        tension, torque, *_ = string.ends(columns, None if lift is None else [lift] * len(own))
+        tension, torque, *_ = string.ends(columns)
         if load.operation in self.tangents:
             more = self.tangents[load.operation].of(
                 dict(zip([*groups, "weight_factor"], own.T, strict=False))
@@ -140,10 +137,12 @@ class Strings:
             tension, torque = tension + more[0], torque + more[1]
         return tension[which.ravel()], torque[which.ravel()]
 
-    def _at(self, depth: float) -> SoftEnds:
+    def _at(self, depth: float) -> SoftStrings:
         if depth != self._depth or self._string is None:
             self._depth = depth
-            self._string = SoftEnds(self.well, [rows_at(self.case, depth, "bit depth")], LONGEST_STEP)
+            self._string = SoftStrings(
+                [Hole(self.well, [rows_at(self.case, depth, "bit depth")], LONGEST_STEP)]
+            )
         return self._string
 
     # ------------------------------------------------------------------ mud
@@ -180,11 +179,3 @@ class Strings:
                 remark = f"forces of the mud left out near {self._flow_depth(i):.0f} m: {' '.join(str(error).split())[:160]}"
                 self.remarks += [] if remark in self.remarks else [remark]
         return self._flows[i, j]
-
-
-def factors_of(case: Case) -> list[tuple[str, float]]:
-    """(group of the hole, its friction factor) of a case; of several sections in a group that of the deepest."""
-    group, own = groups_of(case), [float(s.friction) for s in case.given_well.sections]
-    names = dict.fromkeys([*(k for k in KINDS if (group == k).any()), *map(str, group)])
-    last = dict(zip(map(str, group), own, strict=True))
-    return [(name, last[name]) for name in names]

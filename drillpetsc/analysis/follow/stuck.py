@@ -108,7 +108,7 @@ class StuckPoints:
         case, key = self.follower.case, (bit_depth, *np.clip(friction, 0.0, 1.0).tolist())
         if key not in self._built:
             own = dict(zip(names, key[1:], strict=True))
-            pair = Pair(np.nan, np.nan, np.array([own[str(q)] for q in groups_of(case)]))
+            pair = Pair(np.nan, np.nan, groups_of(case).friction(own))
             job = Job(rows_at(case, bit_depth, "bit depth"), pair, Pulled(0.0, 0.0, 1.0, 0.0))
             self._built = {key: StuckString(stiff_case(case, self.follower.strings.well, job))}
         return self._built[key]

@@ -28,6 +28,7 @@ from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import DrillingModel, build_model, build_well
 from drillpetsc.model.fluid import build_rheology
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.model.mesh import MeshOf
 from drillpetsc.output.measured.in_hole import equivalent_density
 from drillpetsc.physics.fluid.channel_flow import ChannelFlow
@@ -97,9 +98,7 @@ def with_length(item: AnyItem, length: float, above: float = 0.0) -> AnyItem:
 
 def whole_string(case: Case) -> PlacedString:
     """The case's string where statics puts it: on bottom with a weight on bit, else with its top at the rig."""
-    top = 0.0
-    if case.well is not None and case.initial.wob is not None:
-        top = case.well.survey.md[-1] - case.string_length
+    top = top_of_string(case, case.string_length)
     return PlacedString(tuple(case.string), tuple(range(len(case.string))), top)
 
 

@@ -56,6 +56,7 @@ from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.quantities.tables import COLUMNS
 from drillpetsc.output.shown_units import lengths_shown, shown_unit
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.time_function import Constant
 from drillpetsc.unit_systems import System
 
@@ -125,7 +126,6 @@ def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
     at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
     Raises CaseError if the pressure is below that of the still mud, or beyond the largest flow.
     """
-    from scipy.optimize import brentq  # a slow import
 
     def excess(rate: float) -> float:
         flow.solve(rate)
@@ -142,7 +142,7 @@ def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
                 at=at, got=f"{pressure:g} Pa", want=f"a pressure that gives at most {LARGEST_FLOW:g} m3/s"
             )
         high = min(2 * high, LARGEST_FLOW)
-    return float(brentq(excess, SMALLEST_FLOW, high, xtol=1e-10, rtol=1e-10))
+    return bracketed_root(excess, SMALLEST_FLOW, high, 1e-10, 1e-10)
 
 
 class Hydraulics:

@@ -19,6 +19,7 @@ from drillpetsc.model.fluid import build_rheology
 from drillpetsc.model.mud_sections import losses_of_items
 from drillpetsc.physics.fluid.channel_flow import RESULT_NAMES, ChannelFlow
 from drillpetsc.physics.fluid.rheology import Rheology, wall_shear
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.unit_systems import System, shown
@@ -89,8 +90,6 @@ def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> flo
     """
     if law.consistency == 0.0:
         return 0.0
-    from scipy.optimize import brentq  # a slow import
-
     limit = 3470.0 - 1370.0 * law.index
     slowest, fastest = np.log(1e-18), np.log(1e6)
 
@@ -99,7 +98,7 @@ def critical_speed(law: Rheology, gap: float, slot: bool, density: float) -> flo
 
     if excess(fastest) < 0:
         return np.inf
-    return float(np.exp(brentq(excess, slowest, fastest, xtol=1e-10)))
+    return float(np.exp(bracketed_root(excess, slowest, fastest, 1e-10)))
 
 
 def annulus_stress(

@@ -28,7 +28,7 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.output.table_rows import TableColumn
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.physics.interfaces import Drive
-from drillpetsc.solvers.linear.linearization import Linearised
+from drillpetsc.solvers.linear.linearization import Linearised, unknowns_of
 from drillpetsc.solvers.linear.model_reduction import LARGEST_DENSE
 from drillpetsc.solvers.linear.state_space import Exchange, StateSpace, Unknowns, connected, eliminate
 
@@ -209,17 +209,12 @@ def _driven(q: Linearised | None, by_rows: list[FloatArray], p: FloatArray, rate
 def _free(q: Linearised):
     """K, C, M and usual sizes in the free motions."""
     K, C, M = (sparse.csr_matrix(q.T.T @ A @ q.T) for A in (q.K, q.C, q.M))
-    return K, C, M, q.scale[_parents(q)]
-
-
-def _parents(q: Linearised) -> np.ndarray:
-    """Unknown that represents each free motion."""
-    return np.asarray(abs(q.T).argmax(axis=0)).ravel()
+    return K, C, M, q.scale[unknowns_of(q.T)]
 
 
 def _form(model, q: Linearised, by_rows, p, direct, Y, rate: float) -> LinearModel:
     K, C, M, scale = _free(q)
-    parents = _parents(q)
+    parents = unknowns_of(q.T)
     by_position, by_rate, by_acceleration = of_motion(q, *Y)
     ex = Exchange(
         *_cleaned(_forcing(q, by_rows, p)),

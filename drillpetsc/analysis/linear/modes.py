@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
-from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH
+from drillpetsc.solvers.linear.quadratic_eigenproblem import damping_ratio, growing
 
 #: kinds of modes; each has a share of the energy, in this order in modes.csv
 KINDS = ("lateral", "axial", "torsional", "fluid")
@@ -55,8 +55,7 @@ class Modes:
     @property
     def damping_ratio(self) -> FloatArray:
         """(m,) -growth/|s| [-], nan at zero."""
-        size = np.abs(self.eigenvalue)
-        return np.divide(-self.growth, size, out=np.full(self.count, np.nan), where=size > 0)
+        return damping_ratio(self.eigenvalue)
 
     @property
     def kind(self) -> tuple[str, ...]:
@@ -76,8 +75,7 @@ class Modes:
     @property
     def grows(self) -> np.ndarray:
         """(k,) whether a mode grows."""
-        size = np.abs(self.eigenvalue)
-        return (self.growth > NEUTRAL_GROWTH * size) & (size > self.zero)
+        return growing(self.eigenvalue, self.zero)
 
     @property
     def diverging(self) -> int:

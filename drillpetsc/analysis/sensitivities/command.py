@@ -4,33 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.run_options import options_of
-from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative, checked, derivatives
-from drillpetsc.analysis.sensitivities.doubts import Checked, Differentiated
+from drillpetsc.analysis.sensitivities.answer import Answer
+from drillpetsc.analysis.sensitivities.derivatives import Derivative, checked, derivatives
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.keys import Key, every_key, key_of
 from drillpetsc.analysis.sensitivities.motion.command import run_sensitivities_of_run
 from drillpetsc.analysis.sensitivities.points import refusal_of
 from drillpetsc.analysis.sensitivities.roadmap import SoftRoadmap
-from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect, zero_flows
 from drillpetsc.analysis.sensitivities.solution import Output, Solution
 from drillpetsc.analysis.sensitivities.statics import StaticsSolution
 from drillpetsc.analysis.sensitivities.stiff import StiffRoadmap
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.key_paths import suggestion
-from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError
-from drillpetsc.output.files.json_file import plain
-from drillpetsc.output.files.run_folder import SENSITIVITIES_TABLE
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
-from drillpetsc.output.shown_units import key_unit, shown_unit
 
 #: outputs that are differentiated unless others are named
 USUAL = {
@@ -38,7 +32,6 @@ USUAL = {
     "roadmap": ("hook_load", "surface_torque"),
     "hydraulics": ("pump_pressure", "ecd_bit"),
 }
-SHOWN = 15  # keys printed for an output
 ALL = "all"
 
 
@@ -81,27 +74,10 @@ def run_sensitivities(job: Job, question: Question) -> RunResult:
             case, solution, chosen, counted(keys, "keys", job.comm.rank), question.every
         )
         compared = checked(case, solution, found, question.check)
-    warnings = [sentence for at in compared for sentence in doubts_at(at)]
-    one_sided = any(ONE_SIDED in d.flag for d in found)
-    differentiated = Differentiated(
-        case, question.analysis, one_sided, without_effect(found), solution.left_out, zero_flows(found)
-    )
-    notes = [*solution.notes, *doubts_at(differentiated)]
-    rows = [row_of(d) for d in found]
-    summary = {
-        "title": case.title,
-        "analysis": question.analysis,
-        "outputs": {solution.outputs[i].name: float(solution.found.values[i]) for i in chosen},
-        "sensitivities": plain(rows),
-        "checked": [row_of_check(at) for at in compared],
-        "cost": None,
-        "skipped": skipped,
-        "units": case.shown_units,
-        "warnings": warnings,
-        "notes": notes,
-    }
-    lines = _lines(case, found, compared, summary)
-    return job.result(job.make_folder(), summary, lines, {SENSITIVITIES_TABLE: rows})
+    values = {solution.outputs[i].name: float(solution.found.values[i]) for i in chosen}
+    answer = Answer(case, question.analysis, values, found, compared, skipped, solution.left_out)
+    summary = answer.summary(compared, solution.notes)
+    return job.result(job.make_folder(), summary, answer.lines("full solutions"), answer.tables)
 
 
 def solved(case: Case, question: Question, comm: PETSc.Comm) -> Solution:
@@ -147,36 +123,3 @@ def _differentiated(
             if not skips:
                 raise refusal_of(key, error) from None
     return found, skipped
-
-
-# ---------------------------------------------------------------------- screen
-def _lines(
-    case: Case, found: Sequence[Derivative], compared: Sequence[Checked], summary: dict[str, Any]
-) -> list[str]:
-    system = case.shown_units
-    lines = [
-        f"{case.title or 'case'}: sensitivities of {summary['analysis']}, effect of a change of each key"
-    ]
-    deepest = max((d.output.bit_depth for d in found), default=np.nan)
-    for output in dict.fromkeys(d.output for d in found):
-        if output.bit_depth == output.bit_depth and output.bit_depth != deepest:
-            continue
-        mine = sorted((d for d in found if d.output == output and d.slope), key=lambda d: -abs(d.effect))
-        size, unit = shown_unit(output.quantity.name, output.quantity.unit, system)
-        value = next(d.value for d in found if d.output == output)
-        lines.append(f"  {output.name} {value / size:.6g} {unit}".rstrip())
-        for d in mine[:SHOWN]:
-            step, word = key_unit(d.key.name, d.key.unit, system)
-            change = f"{d.key.value / step:.6g} + {d.key.per / step:.3g} {word}".rstrip()
-            relative = "" if np.isnan(d.relative) else f"{d.relative:>10.3f}"
-            lines.append(
-                f"    {d.key.name:<40} {change:<28} {d.effect / size:>+12.5g} {unit:<6} {relative:>10}  {d.flag}".rstrip()
-            )
-        if len(mine) > SHOWN:
-            lines.append(f"    and {len(mine) - SHOWN} keys of less effect in sensitivities.csv")
-    if compared:
-        worst = max(at.error for at in compared)
-        lines.append(f"  {len(compared)} derivatives checked by full solutions: largest error {worst:.1e}")
-    if summary["skipped"]:
-        lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
-    return lines

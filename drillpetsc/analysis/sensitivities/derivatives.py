@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ from drillpetsc.errors import CaseError, SolveError
 CURVED = 0.01  # second over first difference at the step, above which there is a kink inside it [-]
 CHECK_STEPS = 1e-3, 1e-4  # relative, of the differences of full solutions
 ONE_SIDED, LIMIT, DIFFERENCES = "one-sided", "limit", "differences"
+Values = Callable[[Case], FloatArray]
+"""Outputs (m,) of another case by a full solution; collective. Raises SolveError if it has none."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +57,24 @@ def derivatives(
 
     Raises CaseError for a key that cannot be changed.
     """
-    out = []
+    out, full = [], values_of(solution)
     for key in keys:
         slopes, flags = _slopes(case, solution, key)
         flagged = [i for i in chosen if flags[i].startswith(ONE_SIDED)]
-        below, above = _both_sides(case, solution, key) if flagged else (np.full(len(flags), np.nan),) * 2
+        sides = np.full((2, len(flags)), np.nan)
+        if flagged:
+            sides[:, flagged] = both_sides(case, key, full, solution.found.values)[:, flagged]
         for i in chosen:
             value = float(solution.found.values[i])
-            sides = (float(below[i]), float(above[i])) if i in flagged else (np.nan, np.nan)
-            out.append(Derivative(solution.outputs[i], key, value, float(slopes[i]), flags[i], *sides))
+            out.append(
+                Derivative(solution.outputs[i], key, value, float(slopes[i]), flags[i], *sides[:, i].tolist())
+            )
     return out
+
+
+def values_of(solution: Solution) -> Values:
+    """The outputs of other cases, solved as the one of the solution."""
+    return lambda case: solution.solved(case).values
 
 
 def _slopes(case: Case, solution: Solution, key: Key) -> tuple[FloatArray, list[str]]:
@@ -105,15 +115,15 @@ def _far(case: Case, key: Key) -> list[Point]:
     return out
 
 
-def _both_sides(case: Case, solution: Solution, key: Key) -> tuple[FloatArray, FloatArray]:
-    """Effects (m,) of the stated change below and above, by full solutions; nan where there is none."""
-    base, out = solution.found.values, []
+def both_sides(case: Case, key: Key, values: Values, base: FloatArray) -> FloatArray:
+    """Effects (2, m) of the stated change below and above on the outputs ``base``; nan where there is none."""
+    out = []
     for sign in (-1.0, 1.0):
         try:
-            out.append(sign * (solution.solved(key.changed(case, key.value + sign * key.per)).values - base))
+            out.append(sign * (values(key.changed(case, key.value + sign * key.per)) - base))
         except (CaseError, SolveError):
             out.append(np.full(len(base), np.nan))
-    return out[0], out[1]
+    return np.array(out)
 
 
 def checked(case: Case, solution: Solution, found: Sequence[Derivative], count: int) -> list[Checked]:
@@ -126,20 +136,23 @@ def checked(case: Case, solution: Solution, found: Sequence[Derivative], count: 
     out, known = [], {}
     for d in [able[i] for i in order][:count]:
         if d.key.name not in known:
-            known[d.key.name] = full_difference(case, solution, d.key)
+            known[d.key.name], _ = full_difference(case, d.key, values_of(solution))
         full = float(known[d.key.name][places[id(d.output)]])
         out.append(Checked(case, d.output.label, d.key.name, d.relative, full * d.key.value / d.value))
     return out
 
 
-def full_difference(case: Case, solution: Solution, key: Key) -> FloatArray:
-    """Derivative (m,) by central differences of full solutions with two steps, extrapolated (Richardson); collective."""
+def full_difference(
+    case: Case, key: Key, values: Values, steps: tuple[float, float] = CHECK_STEPS
+) -> tuple[FloatArray, FloatArray]:
+    """Derivative (m,) by central differences of full solutions with two relative steps, extrapolated (Richardson), and that of the
+    first step; collective."""
     slopes = []
-    for step in CHECK_STEPS:
+    for step in steps:
         points, _ = points_of(case, key, step)
-        slopes.append(difference(points, [solution.solved(point.case).values for point in points]))
-    square = (CHECK_STEPS[0] / CHECK_STEPS[1]) ** 2
-    return np.asarray((square * slopes[1] - slopes[0]) / (square - 1))
+        slopes.append(np.asarray(difference(points, [values(point.case) for point in points])))
+    square = (steps[0] / steps[1]) ** 2
+    return (square * slopes[1] - slopes[0]) / (square - 1), slopes[0]
 
 
 def largest_size(found: Found, outputs: Sequence[Output]) -> FloatArray:

@@ -1,8 +1,4 @@
-"""Soft strings of a roadmap as a solution: its derivatives are those of each step, carried from the bit up.
-
-The force T_i at the upper end of a step follows from that at its lower end, T_i = S_i(T_(i+1), p).  A change of the key adds
-dS_i/dp at the fixed force below, and what comes from below grows by dS_i/dT (manual: eq-sensitivities-scan).
-"""
+"""Soft strings of a roadmap as a solution, with the flow of the mud moved along its derivative (manual: sec-sensitivities-scan)."""
 
 from __future__ import annotations
 
@@ -11,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Batch, Steps, soft_strings
+from drillpetsc.analysis.loads.torque_drag.batch import Batch, soft_strings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, flow_of_row, forces_of
 from drillpetsc.analysis.loads.torque_drag.operations import FACTORS, Load, pairs_of, plan_of, running_speed
 from drillpetsc.analysis.loads.torque_drag.readings.reading import sensor_of
@@ -25,13 +21,12 @@ from drillpetsc.analysis.loads.torque_drag.roadmap import (
 )
 from drillpetsc.analysis.loads.torque_drag.table import FOUND
 from drillpetsc.analysis.sensitivities.flow import FlowTangent
-from drillpetsc.analysis.sensitivities.points import Point, difference
+from drillpetsc.analysis.sensitivities.points import Point
 from drillpetsc.analysis.sensitivities.solution import Found, Output, number
 from drillpetsc.case.case import Case
 from drillpetsc.errors import SolveError
 from drillpetsc.output.quantities.tables import COLUMNS
 
-FORCE_STEP = 1e-6  # of the differences by the force below a step, relative to the largest force [-]
 #: outputs of a row; the place of a smallest force jumps from node to node
 NAMES = (*(name for name in FOUND if name != "md_of_min"), "hook_load_total", "hook_load_reading")
 QUANTITIES = tuple(q for q in COLUMNS["roadmap.csv"] if q.name in NAMES)
@@ -70,43 +65,23 @@ class SoftRoadmap:
         self._tangents: dict[tuple[int, float, float], FlowTangent] = {}
         self.flows = self._flows_here()
         problem = soft_problem(asked, self.flows)
-        self._hole, batch = problem.hole, soft_strings(problem.hole, problem.columns)
-        rows = self._rows(problem, batch)
+        self._hole = problem.hole
+        rows, batch = self._rows(problem)
         self.outputs = outputs_of(asked, rows)
         self.found = self._found(rows, batch)
         self.notes = asked.notes
         self.left_out: dict[float, str] = {}
-        steps = Steps(problem.hole, problem.columns)
-        self._tension = np.where(np.isnan(batch.tension), steps.end, batch.tension)
-        below, h = self._tension[1:], FORCE_STEP * max(float(np.abs(self._tension).max()), 1.0)
-        ends = [steps.from_below(below + sign * h).above for sign in (1.0, -1.0)]
-        self._growth = (ends[0] - ends[1]) / (2 * h)
 
     def near(self, points: Sequence[Point]) -> list[Found]:
         """As of ``Solution``."""
-        problems = self._problems(points)
-        steps = [Steps(q.hole, q.columns) for q in problems]
-        chosen = [i for i, point in enumerate(points) if point.weight]
-        used = [points[i] for i in chosen]
-        source = difference(used, [steps[i].from_below(self._tension[1:]).above for i in chosen])
-        slope = np.empty_like(self._tension)
-        slope[-1] = difference(used, [steps[i].end for i in chosen])
-        for i in range(len(source) - 1, -1, -1):
-            slope[i] = self._growth[i] * slope[i + 1] + source[i]
-        out = []
-        for point, problem, step in zip(points, problems, steps, strict=True):
-            tension = self._tension + point.change * slope
-            batch = step.batch(tension, step.from_below(tension[1:]))
-            out.append(self._found(self._rows(problem, batch), batch))
-        return out
+        beside = zip(*self.beside(points), strict=True)
+        return [self._found(*self._rows(soft_problem(a, f, self._hole))) for a, f in beside]
 
     def solved(self, case: Case) -> Found:
         """As of ``Solution``."""
         asked = own_friction(case, self._deepest)
         flows = circulations(asked.case, asked.strings, asked.loads())
-        problem = soft_problem(asked, flows, self._hole)
-        batch = soft_strings(problem.hole, problem.columns)
-        return self._found(self._rows(problem, batch), batch)
+        return self._found(*self._rows(soft_problem(asked, flows, self._hole)))
 
     # ------------------------------------------------------------------ pieces
     def _flows_here(self) -> dict[tuple[str, int], Circulation | SolveError]:
@@ -135,10 +110,6 @@ class SoftRoadmap:
                     out[operation, d] = load, speed
         return out
 
-    def _problems(self, points: Sequence[Point]) -> list[SoftProblem]:
-        """Soft strings at the points, the flow moved along its derivative."""
-        return [soft_problem(a, f, self._hole) for a, f in zip(*self.beside(points), strict=True)]
-
     def beside(
         self, points: Sequence[Point]
     ) -> tuple[list[RowsAsked], list[dict[tuple[str, int], Circulation | SolveError]]]:
@@ -166,12 +137,15 @@ class SoftRoadmap:
                 flows[i][operation, d] = forces
         return asked, flows
 
-    def _rows(self, problem: SoftProblem, batch: Batch) -> list[dict[str, Any]]:
+    @staticmethod
+    def _rows(problem: SoftProblem) -> tuple[list[dict[str, Any]], Batch]:
+        batch = soft_strings(problem.hole, problem.columns)
         rows = problem.rows(batch)
         add_readings(problem.asked, sensor_of(problem.asked.case), rows)
-        return rows
+        return rows, batch
 
-    def _found(self, rows: Sequence[dict[str, Any]], batch: Batch) -> Found:
+    @staticmethod
+    def _found(rows: Sequence[dict[str, Any]], batch: Batch) -> Found:
         names = [q.name for q in QUANTITIES if q.name in rows[0]]
         values = [number(row[name]) for row in rows for name in names]
         states: list[Hashable] = []

@@ -5,19 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.batch import Hole, SoftStrings, TopLoads
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation
 from drillpetsc.analysis.loads.torque_drag.readings.sensor import DIRECTION, Sensor, sensor_of
 from drillpetsc.analysis.loads.torque_drag.roadmap import RowsAsked, circulations, columns_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds, TopLoads
 from drillpetsc.analysis.sensitivities.hydraulics import SteadyHydraulics
 from drillpetsc.analysis.sensitivities.roadmap import outputs_of, own_friction
 from drillpetsc.analysis.sensitivities.solution import Output
-from drillpetsc.analysis.statics.start.soft_string import MAX_STEP
 from drillpetsc.analysis.uncertain.uncertain_keys import WEIGHT_FACTOR, Uncertain, case_at
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
@@ -47,20 +46,21 @@ class _Strings:
     def __init__(self, asked: RowsAsked) -> None:
         self.keys, loads = asked.keys(), asked.loads()
         placed = [d for _, _, d in self.keys]
-        columns = columns_of(
-            [loads[o] for o, _, _ in self.keys], placed, [asked.pairs[p] for _, p, _ in self.keys]
-        )
-        self.ends = SoftEnds(asked.well, asked.strings, MAX_STEP)
+        self.strings = SoftStrings([Hole(asked.well, [rows]) for rows in asked.strings])
         flows = circulations(asked.case, asked.strings, loads)
         found = [flows.get((o, d)) for o, _, d in self.keys]
-        still = [np.zeros(len(edges) - 1) for edges in self.ends.edges]
-        self.lifts = [
-            q.lift(self.ends.edges[d]) if isinstance(q, Circulation) else still[d]
-            for q, d in zip(found, placed, strict=True)
-        ]
-        thrust = np.array([q.thrust if isinstance(q, Circulation) else 0.0 for q in found])
-        names = ("placed", "item_factor", "wob", "torque", "axial_velocity", "rotation")
-        self.alike = {"thrust": thrust} | {name: getattr(columns, name) for name in names}
+        edges = [hole.edges for hole in self.strings.holes]
+        still = [np.zeros(len(q) - 1) for q in edges]
+        self.columns = replace(
+            columns_of(
+                [loads[o] for o, _, _ in self.keys], placed, [asked.pairs[p] for _, p, _ in self.keys]
+            ),
+            lift=[
+                q.lift(edges[d]) if isinstance(q, Circulation) else still[d]
+                for q, d in zip(found, placed, strict=True)
+            ],
+            thrust=np.array([q.thrust if isinstance(q, Circulation) else 0.0 for q in found]),
+        )
         self.failed = np.array(
             [
                 bool(asked.strings[d].misfit) or isinstance(q, SolveError)
@@ -93,11 +93,10 @@ class _Strings:
         return out
 
     def _ends(self, friction: FloatArray, weight: FloatArray) -> TopLoads:
-        n, rows = len(friction), len(self.keys)
-        alike = {name: np.tile(values, n) for name, values in self.alike.items()}
-        own = {"friction": np.repeat(friction, rows, axis=0), "weight_factor": np.repeat(weight, rows)}
-        loads = Columns(**alike, **own)
-        return self.ends.ends(loads, self.lifts * n)
+        n, rows, own = len(friction), len(self.keys), vars(self.columns)
+        repeated = {name: np.tile(q, n) for name, q in own.items() if isinstance(q, np.ndarray)}
+        repeated |= {"friction": np.repeat(friction, rows, axis=0), "weight_factor": np.repeat(weight, rows)}
+        return self.strings.ends(replace(self.columns, **repeated, lift=own["lift"] * n))
 
 
 class RoadmapResponse:

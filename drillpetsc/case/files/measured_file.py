@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Sequence
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from drillpetsc.case.files.named_file import SHEETS, named_file, text_of
+from drillpetsc.case.files.named_file import SHEETS, cells_of, is_comment, lines_of, named_file, text_of
 from drillpetsc.case.importers.stations import MISSING, number_of, together
 from drillpetsc.case.importers.table import unit_text
 from drillpetsc.case.key_paths import refuse
@@ -102,35 +101,17 @@ Rows = list[tuple[int, list[str]]]
 def _text_rows(path: Path) -> Rows:
     """(line number, cells) of a text table, without comments and empty lines."""
     text, _ = text_of(path, MAX_BYTES)
-    lines = [
-        (i, line)
-        for i, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
-        if line.strip() and not line.lstrip().startswith(("#", "//", "!"))
-    ]
+    lines = [(i, q) for i, q in enumerate(lines_of(text), 1) if q.strip() and not is_comment(q)]
     head = next((line for _, line in lines[:TITLE_LINES] if _named(re.split(r"[,;\t]", line))), "")
     mark = next((m for m in ("\t", ";", ",") if m in head), ",")
-    rows: Rows = []
-    for i, line in lines:
-        try:
-            rows.append((i, [cell.strip() for cell in next(csv.reader([line], delimiter=mark), [])]))
-        except csv.Error as error:
-            raise CaseError(
-                got=line[:60], want="cells of a table", hint=str(error), file=path, line=i
-            ) from None
-    return rows
+    return [(i, cells_of(line, mark, path, i)) for i, line in lines]
 
 
 def _sheet_rows(path: Path, sheet: str) -> Rows:
-    from drillpetsc.case.importers.sheet import cell_text, workbook
+    from drillpetsc.case.importers.sheet import sheets_of
 
-    with workbook(path) as book:
-        if sheet and sheet not in book.sheetnames:
-            want = f"one of {', '.join(book.sheetnames)}"
-            raise CaseError(at="sheet", got=sheet, want=want, file=path, line=1)
-        page = book[sheet or book.sheetnames[0]]
-        cells = page.iter_rows(max_row=MAX_POINTS + 50, max_col=100, values_only=True)
-        rows = [(i, [cell_text(cell) for cell in row]) for i, row in enumerate(cells, 1)]
-    return [(i, row) for i, row in rows if any(row)]
+    first = next(iter(sheets_of(path, sheet).values()))
+    return [(i, row) for i, row in enumerate(first, 1) if any(row)]
 
 
 def _las_rows(path: Path) -> Rows:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import os
+import re
 from collections.abc import Callable
 from contextvars import ContextVar
 from pathlib import Path
@@ -52,10 +54,34 @@ def text_of(file: Path, most: int) -> tuple[str, bool]:
     raw = bytes_of(file, most)
     wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
     if b"\0" in raw and not wide:
-        raise CaseError(file=file, want="a CSV text file in UTF-8")
+        raise CaseError(file=file, want="a text file in UTF-8")
     try:
         return raw.decode("utf-16" if wide else "utf-8-sig"), True
     except UnicodeDecodeError:
         if wide:
-            raise CaseError(file=file, want="a CSV text file in UTF-8") from None
+            raise CaseError(file=file, want="a text file in UTF-8") from None
         return raw.decode("cp1252", "replace"), False
+
+
+def lines_of(text: str) -> list[str]:
+    """The lines of a text, whatever ends them."""
+    return re.split(r"\r\n|\r|\n", text)
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line of a table begins as comments do: with `#`, `//` or `!`."""
+    return line.lstrip("\ufeff \t").startswith(("#", "//", "!"))
+
+
+def cells_of(line: str, mark: str, file: Path, number: int) -> list[str]:
+    """The cells of a line of a table, with ``mark`` between them; a blank stands for any number of them.
+
+    number: of the line in the file.  CaseError for a cell of more than 131072 letters.
+    """
+    if mark == " ":
+        return line.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=mark, skipinitialspace=True), [])]
+    except csv.Error as error:
+        want, hint = "cells of a table", str(error)
+        raise CaseError(got=line[:60], want=want, hint=hint, file=file, line=number) from None

@@ -29,21 +29,13 @@ INSTALL = "pip install 'drillpetsc[files]'"
 
 def table_of_sheet(file: Path, sheet: str = "", given: Mapping[str, str] | None = None) -> Table:
     """The table of a sheet; without a name, of the only sheet that has a survey's columns."""
-    with workbook(file) as book:
-        names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
-        if sheet and sheet not in names:
-            raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
-        found = [
-            table
-            for name in ([sheet] if sheet else names)
-            for table in [_table(file, _rows(book[name]), given)]
-            if table
-        ]
+    sheets = sheets_of(file, sheet)
+    found = [table for rows in sheets.values() for table in [_table(file, rows, given)] if table]
     if not found:
         want = f"a header with md, inclination, azimuth within {HEADER_ROWS} rows"
         raise CaseError(at="md", got="rows without these names", want=want, file=file, line=1)
     if len(found) > 1:
-        want = f"the name of one sheet: {file.name}#{names[0]}"
+        want = f"the name of one sheet: {file.name}#{next(iter(sheets))}"
         raise CaseError(at="sheet", got=f"{len(found)} sheets with a survey", want=want, file=file, line=1)
     return found[0]
 
@@ -82,18 +74,20 @@ def workbook(file: Path, most: int = MAX_BYTES) -> Iterator[Any]:
         ) from None
 
 
-def rows_of_sheets(file: Path) -> list[list[list[str]]]:
-    """Cells of each sheet as texts."""
+def sheets_of(file: Path, sheet: str = "") -> dict[str, list[list[str]]]:
+    """Cells of the sheets of a workbook as texts, by their names; of one sheet if it is named.
+
+    CaseError for a name that no sheet has.
+    """
     with workbook(file) as book:
-        sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
-        return [[[cell_text(cell) for cell in row] for row in _rows(sheet)] for sheet in sheets]
-
-
-def _rows(sheet: Any) -> list[list[Any]]:
-    rows: list[list[Any]] = []
-    for row in sheet.iter_rows(max_row=MAX_ROWS + HEADER_ROWS + 1, max_col=200, values_only=True):
-        rows.append(list(row))
-    return rows
+        names = [name for name in book.sheetnames if hasattr(book[name], "iter_rows")]
+        if sheet and sheet not in names:
+            raise CaseError(at="sheet", got=sheet, want=f"one of {', '.join(names)}", file=file, line=1)
+        most = {"max_row": MAX_ROWS + HEADER_ROWS + 1, "max_col": 200, "values_only": True}
+        return {
+            name: [[cell_text(cell) for cell in row] for row in book[name].iter_rows(**most)]
+            for name in ([sheet] if sheet else names)
+        }
 
 
 def cell_text(cell: Any) -> str:
@@ -107,8 +101,7 @@ def cell_text(cell: Any) -> str:
     )
 
 
-def _table(file: Path, cells: list[list[Any]], given: Mapping[str, str] | None) -> Table | None:
-    rows = [[cell_text(cell) for cell in row] for row in cells]
+def _table(file: Path, rows: list[list[str]], given: Mapping[str, str] | None) -> Table | None:
     remarks: list[str] = []
     for number, heads in enumerate(rows[:HEADER_ROWS], 1):
         columns = columns_of([head[:200] for head in heads], file, number, remarks, given)

@@ -5,13 +5,12 @@ What is in the columns is read by `stations.py`.
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drillpetsc.case.files.named_file import text_of
+from drillpetsc.case.files.named_file import cells_of, is_comment, lines_of, text_of
 from drillpetsc.errors import CaseError
 from drillpetsc.units import UnitError, to_si
 
@@ -268,23 +267,16 @@ def _lines(file: Path, remarks: list[str]) -> list[str]:
     text, is_unicode = text_of(file, MAX_BYTES)
     if not is_unicode:
         remarks.append("the file is not UTF-8: read as Windows-1252")
-    return re.split(r"\r\n|\r|\n", text)
+    return lines_of(text)
 
 
 def _is_comment(line: str, separator: str) -> bool:
-    text = line.lstrip("\ufeff \t")
-    return text.startswith(("#", "//", "!")) or (text.startswith(";") and separator != ";")
+    return is_comment(line) or (line.lstrip("\ufeff \t").startswith(";") and separator != ";")
 
 
 def _cells(line: str, separator: str, file: Path, number: int) -> list[str]:
-    if separator == " ":
-        return line.split()
-    try:
-        cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    except csv.Error as error:  # a cell of more than 131072 letters
-        want = "cells with a number each"
-        raise CaseError(got=line[:60], want=want, hint=str(error), file=file, line=number) from None
-    while cells and not cells[-1].strip():
+    cells = cells_of(line, separator, file, number)
+    while cells and not cells[-1]:
         cells.pop()
     return cells
 

@@ -110,9 +110,9 @@ def _columns(heads: Sequence[str]) -> tuple[dict[str, tuple[int, str]], list[str
 def _sheet(file: Path) -> _Sheet | None:
     """The first table of a tally in a file; None if there is none."""
     if file.suffix.casefold() in (".xlsx", ".xlsm"):
-        from drillpetsc.case.importers.sheet import rows_of_sheets
+        from drillpetsc.case.importers.sheet import sheets_of
 
-        tables = [("", [(i, row) for i, row in enumerate(rows, 1)]) for rows in rows_of_sheets(file)]
+        tables = [("", [(i, row) for i, row in enumerate(rows, 1)]) for rows in sheets_of(file).values()]
     else:
         lines = _lines(file, [])
         lines = ["" if _is_comment(line, ";") and not _SPOILT.match(line) else line for line in lines]

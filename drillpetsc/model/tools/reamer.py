@@ -9,7 +9,7 @@ from drillpetsc.case.blocks.items.reamer import Reamer as ReamerItem
 from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.hole import hole_depth
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.physics.bit.rock_bit import RockBit
 from drillpetsc.physics.interfaces import Bit
 from drillpetsc.physics.tools.reamer import Reamer, ReamerLaw, ReamerPlace
@@ -48,9 +48,7 @@ def build_reamers(case: Case, mesh: StringMesh, well: Well | None, bit: Bit | No
     assert case.well is not None and isinstance(case.bottom, BitBottom)
     bodies = [b for b in mesh.bodies if b.kind == "reamer"]
     pilots = [*(0.5 * (item.od or 0.0) for _, item, _ in found[1:]), bit.shape.radius]
-    top = 0.0
-    if case.initial.wob is not None:
-        top = hole_depth(case) - mesh.total_length
+    top = top_of_string(case, mesh.total_length)
     out = []
     for number, ((_, item, section), body, pilot) in enumerate(zip(found, bodies, pilots, strict=True), 1):
         assert item.od is not None

@@ -10,7 +10,7 @@ from drillpetsc.case.case import Case
 from drillpetsc.fem.string_mesh import StringMesh
 from drillpetsc.geometry.frames import Frames
 from drillpetsc.geometry.well import Well
-from drillpetsc.model.hole import hole_depth
+from drillpetsc.model.hole import top_of_string
 from drillpetsc.model.mesh import steering_zone
 from drillpetsc.physics.tools.steering import PointTool, PushTool, Steer, Steering
 
@@ -45,7 +45,4 @@ def _axis(case: Case, mesh: StringMesh, well: Well | None, tangent: FloatArray, 
     """Direction (3,) of the hole at a node of the string, which a weight on bit puts on the bottom."""
     if well is None:
         return tangent[node]
-    top = 0.0
-    if case.initial.wob is not None:
-        top = hole_depth(case) - mesh.total_length
-    return np.asarray(well.at(np.array([mesh.node_depth[node] + top]))[1])[0]
+    return np.asarray(well.at(mesh.node_depth[node] + top_of_string(case, mesh.total_length))[1])

@@ -32,6 +32,11 @@ _PARTS = (slice(0, 3), slice(3, 6), slice(6, 7))  # position, slope, spin angle 
 _DEPENDENT = 1e-10
 
 
+def unknowns_of(motions: sparse.spmatrix) -> np.ndarray:
+    """(m,) the unknown that represents each free motion: the largest of its column of ``motions`` (n, m)."""
+    return np.asarray(abs(motions).argmax(axis=0)).ravel()
+
+
 @dataclass(frozen=True)
 class Linearised:
     """Matrices of the linearised system, with all n unknowns, prescribed ones included.
@@ -114,7 +119,7 @@ class Linearised:
         its largest entry.
         """
         T = self.motions
-        parent = np.asarray(abs(T).argmax(axis=0)).ravel()
+        parent = unknowns_of(T)
         K, C, M = (sparse.csr_matrix(T.T @ A @ T) for A in (self.K, self.C, self.M))
         return QuadraticEigenproblem(K, C, M, self.second_order[parent], self.scale[parent], reference)
 

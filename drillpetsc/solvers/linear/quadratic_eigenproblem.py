@@ -46,6 +46,18 @@ MAX_DEFLATIONS = 40
 MAX_DISCS = 200
 
 
+def growing(s: np.ndarray, zero: float = 0.0) -> np.ndarray:
+    """(m,) mask of the eigenvalues that grow beyond rounding, those within ``zero`` [1/s] left out (manual: eq-eigen-figures)."""
+    size = np.abs(s)
+    return (s.real > NEUTRAL_GROWTH * size) & (size > zero)
+
+
+def damping_ratio(s: np.ndarray) -> FloatArray:
+    """(m,) -growth/|s| of eigenvalues [-], nan at zero."""
+    size = np.abs(s)
+    return np.divide(-s.real, size, out=np.full(len(s), np.nan), where=size > 0)
+
+
 @dataclass(frozen=True)
 class QuadraticEigenproblem:
     """The problem (K + s C + s^2 M) u = 0 (manual: eq-eigen-problem).
@@ -94,7 +106,7 @@ class Eigenvalues:
     @property
     def grows(self) -> np.ndarray:
         """(m,) mask of the eigenvalues that grow beyond rounding (manual: eq-eigen-figures)."""
-        return self.s.real > NEUTRAL_GROWTH * np.abs(self.s)
+        return growing(self.s)
 
     def subset(self, which: np.ndarray) -> Eigenvalues:
         """Select eigenvalues by a mask (m,) or by their numbers."""

@@ -61,7 +61,7 @@ def test_walks_between_readings():
 
 
 def test_priors_name_states():
-    states = states_of([("cased", 0.2), ("open_hole", 0.25)], 600e3, 0.1)
+    states = states_of({"cased": 0.2, "open_hole": 0.25}, 600e3, 0.1)
     first = first_belief(with_priors(states, {"cased": (0.18, 0.01)}))
     assert first.mean[0] == 0.18 and first.sd[0] == pytest.approx(0.01)
     with pytest.raises(CaseError, match="block_weight"):

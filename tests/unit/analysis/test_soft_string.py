@@ -170,10 +170,7 @@ def test_a_string_breaks_where_its_force_grows_without_bound():
         top="clamped",
     )
     frictions = np.array([[0.0], [0.4], [0.6]])  # without friction any weight arrives
-    one = np.ones(3)
-    loads = Columns(
-        np.zeros(3, dtype=int), frictions, one, 3e5 * one, 0 * one, -0.3 * one, 0 * one, one, None, 0 * one
-    )
+    loads = Columns(np.zeros(3, dtype=int), frictions, 3e5, 0.0, -0.3, 0.0)
     found = soft_strings(Hole(need_well(made, "roadmap"), [rows_at(made, 6000.0)], 25.0), loads)
     assert found.broken.tolist() == [False, True, True]
     for c in (1, 2):

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.linear.frequency.beside_lines import (
     half_widths,
@@ -37,6 +36,7 @@ from drillpetsc.geometry.frames import two_across
 from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.progress import counted
 from drillpetsc.parallel import first_rank_gives, total
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.solvers.linear.linearization import Linearised
 from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH, Eigenvalues, lowest_eigenvalues
@@ -323,7 +323,11 @@ def critical_speeds(
             for k in np.flatnonzero(values[:-1] * values[1:] <= 0):
                 if values[k] == 0 and (k > 0 or omega[k] == 0):
                     continue  # counted with the interval before; nothing excites a string at rest
-                w = float(omega[k]) if values[k] == 0 else brentq(gap, omega[k], omega[k + 1], xtol=1e-10)
+                w = (
+                    float(omega[k])
+                    if values[k] == 0
+                    else bracketed_root(gap, float(omega[k]), float(omega[k + 1]), 1e-10)
+                )
                 number, mode = branch.points[k]
                 modes = speeds[branch.points[k + 1][0]]
                 sense = modes.whirl[branch.points[k + 1][1]]

@@ -22,7 +22,7 @@ from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.parallel import joined, largest, total
 from drillpetsc.physics.beam import RESULT_NAMES
 from drillpetsc.physics.tools.mud_motor import MudMotor
-from drillpetsc.solvers.linear.linearization import Linearised
+from drillpetsc.solvers.linear.linearization import Linearised, unknowns_of
 
 #: blocks whose loads turn with the section
 TURNING = ("bodies", "eccentric", "eccentric_junction", "curvature", "curvature_junction")
@@ -201,7 +201,7 @@ def respond(
         given[rows] = amplitude * direction
     s = 1j * omega
     D = sparse.csr_matrix(system.K + s * system.C + s**2 * system.M)
-    parent = np.asarray(abs(T).argmax(axis=0)).ravel()
+    parent = unknowns_of(T)
     columns = sparse.diags(system.scale[parent])
     A = sparse.csr_matrix(T.T @ D @ T @ columns)
     size: FloatArray = np.asarray(abs(A).max(axis=1).toarray(), dtype=float).ravel()

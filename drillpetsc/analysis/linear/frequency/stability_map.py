@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.linear.doubts import Mapped
 from drillpetsc.analysis.linear.frequency.response import RPM, case_rpm, rpm_of
@@ -30,6 +29,7 @@ from drillpetsc.output.files.run_folder import (
 )
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.output.progress import counted
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.unit_systems import display_unit
 
 SPEED_TOLERANCE = 0.05 * RPM  # of a boundary [rad/s]
@@ -136,10 +136,10 @@ def boundaries(growth: StateGrowth, speeds: tuple[float, ...]) -> list[Boundary]
         if not (np.isfinite(first) and np.isfinite(last)) or (first > 0) == (last > 0):
             continue
         try:
-            speed = brentq(lambda w: _finite(growth.at(w).growth), low, high, xtol=SPEED_TOLERANCE)
+            speed = bracketed_root(lambda w: _finite(growth.at(w).growth), low, high, SPEED_TOLERANCE)
         except SolveError:
             continue
-        out.append(Boundary(growth.weight, float(speed), bool(first > 0)))
+        out.append(Boundary(growth.weight, speed, bool(first > 0)))
     return out
 
 

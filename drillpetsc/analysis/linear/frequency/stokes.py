@@ -14,7 +14,7 @@ from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.model.fluid import lateral_viscosity
 from drillpetsc.parallel import total
 from drillpetsc.physics.fluid.added_mass import stokes_coefficients, stokes_force
-from drillpetsc.solvers.linear.linearization import Linearised
+from drillpetsc.solvers.linear.linearization import Linearised, unknowns_of
 from drillpetsc.solvers.linear.nonlinear_eigenvalue import refine
 from drillpetsc.solvers.linear.quadratic_eigenproblem import Eigenvalues
 
@@ -160,7 +160,7 @@ class FrequencyDependent:
 
     def __post_init__(self) -> None:
         T = self.base.motions
-        parent = np.asarray(abs(T).argmax(axis=0)).ravel()
+        parent = unknowns_of(T)
         self.scale = self.base.scale[parent]
         columns = T @ sparse.diags(self.scale)
         # a motion is the sum of one that goes round the hole forward, (u - i J u)/2, and one backward (manual: eq-eigen-swirl)

@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 
 from drillpetsc.analysis.linear.frequency.beside_lines import Band
 from drillpetsc.arrays import FloatArray
-from drillpetsc.solvers.linear.quadratic_eigenproblem import NEUTRAL_GROWTH
+from drillpetsc.solvers.linear.quadratic_eigenproblem import damping_ratio, growing
 
 LEAST_MAC = 0.9  # below which two modes are not the same
 CLUSTER = 2e-3  # relative distance of eigenvalues below which their shapes may be any of their span
@@ -71,14 +71,12 @@ class SpeedModes:
     @property
     def grows(self) -> np.ndarray:
         """(m,) mask of the modes that grow, eigenvalues at zero left out."""
-        size = np.abs(self.s)
-        return (self.s.real > NEUTRAL_GROWTH * size) & (size > self.zero)
+        return growing(self.s, self.zero)
 
     @property
     def damping_ratio(self) -> FloatArray:
         """(m,) [-]."""
-        size = np.abs(self.s)
-        return np.divide(-self.s.real, size, out=np.full(len(size), np.nan), where=size > 0)
+        return damping_ratio(self.s)
 
 
 def assurance(before: SpeedModes, after: SpeedModes) -> FloatArray:

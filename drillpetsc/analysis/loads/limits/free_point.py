@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.loads.limits.table import Choices, Strength
 from drillpetsc.analysis.statics.equilibrium import MOTIONS
@@ -22,6 +21,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.case.options.free_point_options import Pair
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.physics.roots import bracketed_root
 from drillpetsc.unit_systems import System, shown
 
 ROUNDING = 1e-9
@@ -77,8 +77,10 @@ class StuckString:
             return np.asarray(held.axial_force - free.axial_force)
 
         # friction grows with the tension, so less arrives at the end than is pulled
-        at_end = brentq(lambda f: more(f)[0] - pull, 0.0, pull * (1 + 1e-6), xtol=1e-9 * pull, rtol=1e-12)
-        depth, found = free.md - free.md[0], more(float(at_end))
+        at_end = bracketed_root(
+            lambda f: float(more(f)[0]) - pull, 0.0, pull * (1 + 1e-6), 1e-9 * pull, 1e-12
+        )
+        depth, found = free.md - free.md[0], more(at_end)
         return 0.5 * (np.interp(self.upper, depth, found) + np.interp(self.lower, depth, found))
 
     def overloaded(self, pull: float) -> str | None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from drillpetsc.analysis.loads.limits.along_string import Surroundings
 from drillpetsc.analysis.loads.limits.buckling_loads import Helical
@@ -22,6 +21,7 @@ from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.arrays import FloatArray
 from drillpetsc.model.drilling_model import DrillingModel
+from drillpetsc.physics.roots import bracketed_root
 
 SMALLEST, ACCURACY = 10.0, 1e-3  # first weight tried [N]; relative accuracy of a search
 CRUSHING = 0.01  # share of EA beyond which no search goes
@@ -137,5 +137,5 @@ class SoftLimits:
             if high >= self.most:
                 return Found(None, None, None)
             low, high = high, min(4 * high, self.most)
-        load = float(brentq(excess, low, high, xtol=ACCURACY * high, rtol=ACCURACY))
+        load = bracketed_root(excess, low, high, ACCURACY * high, ACCURACY)
         return Found(load, *self.place(ratio(load)))

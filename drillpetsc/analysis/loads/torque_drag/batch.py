@@ -1,26 +1,26 @@
-"""Soft strings of many bit depths, operations and friction factors, integrated together from the bit up.
+"""Soft strings of many bit depths, operations and friction factors, integrated from the bit up by compiled code.
 
 The equations are those of `soft_string`, with the extra wall force r F^2/(4 EI) where the compression F is above the
-helical buckling load (manual: sec-soft-string-helical).  One step of all strings is one step of numpy, so that hundreds
-of strings cost little more than one.
+helical buckling load (manual: sec-soft-string-helical).  Within a step whether the string is helical follows from the
+force at the step's lower end, so that the stage equations are smooth.
 """
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows
-from drillpetsc.analysis.statics.start.soft_string import _A11, _A12, _A21, _A22, _GAUSS, MAX_STEP
+from drillpetsc.analysis.statics.start.soft_string import _GAUSS, MAX_STEP
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
+from drillpetsc.kernels.parameters import columns, structure
 
-#: load of a string in a hole with side load, over sqrt(EI q/r): Dawson and Paslay (SPE 11167), Chen, Lin and Cheatham
-SINUSOIDAL, HELICAL = 2.0, 2.0 * np.sqrt(2.0)
-#: load of a string in a vertical hole over (w^2 EI)^(1/3), Lubinski (1950); taken where it is larger
-VERTICAL_SINUSOIDAL, VERTICAL_HELICAL = 1.94, 3.75
 VERTICAL = np.radians(3.0)  # inclination below which a hole is vertical
 LARGEST_FORCE = 5e7  # compression beyond that of any string: the force would grow without bound [N]
 PASSED = 0.01  # share of a change of the hook load that must reach the bit
@@ -28,35 +28,52 @@ SMALLEST_CLEARANCE = 1e-6  # [m]
 RIGID = 1e30  # stiffness of rigid items, in place of infinity [N], [N m2]
 
 
+_Call, _STEP = structure("soft_string_call"), columns("soft_string_step")
+_soft_strings = function("soft_strings", "p")
+
+
 @dataclass(frozen=True)
 class Columns:
-    """Loads of c soft strings, (c,) each unless stated.
+    """Loads of c soft strings, (c,) each, or a number for all of them, unless stated.
 
-    placed: number of the string's `StringRows`.
+    placed: (c,) number of the string's `StringRows`.
     friction: (c, m) friction coefficients of the hole's sections.
-    item_factor: by which friction coefficients of items are multiplied.
     wob: force of the rock [N]; torque: of the rock on the string [N m].
     axial_velocity: [m/s], positive when hoisting; rotation: [rad/s].
-    weight_factor: by which the buoyed weight is multiplied.
-    lift: (k, c) force per length that lifts the string in each step of the hole [N/m], None without flow.
-    thrust: of jets on the bit, up [N], None without flow.
+    item_factor: by which friction coefficients of items are multiplied; weight_factor: the same of the buoyed weight.
+    lift: force per length that lifts each string in its steps [N/m], None without flow.
+    thrust: of jets on the bit, up [N].
     """
 
     placed: np.ndarray
     friction: FloatArray
-    item_factor: FloatArray
-    wob: FloatArray
+    wob: FloatArray | float
+    torque: FloatArray | float
+    axial_velocity: FloatArray | float
+    rotation: FloatArray | float
+    item_factor: FloatArray | float = 1.0
+    weight_factor: FloatArray | float = 1.0
+    lift: Sequence[FloatArray] | None = None
+    thrust: FloatArray | float = 0.0
+
+
+class TopLoads(NamedTuple):
+    """What a soft string gives at its top, (c,) each.
+
+    tension [N], torque [N m]: nan for a string that cannot carry its weight on bit.
+    sinusoidal, helical: largest compression along the string over the load at which it buckles so [-].
+    """
+
+    tension: FloatArray
     torque: FloatArray
-    axial_velocity: FloatArray
-    rotation: FloatArray
-    weight_factor: FloatArray
-    lift: FloatArray | None = None
-    thrust: FloatArray | None = None
+    sinusoidal: FloatArray
+    helical: FloatArray
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Soft strings: (k,) steps from the top down with k + 1 edges, c strings; nan below the lower end of a string.
+    """Soft strings: (k,) steps from the top down with k + 1 edges, c strings; nan below the lower end of a string, and above the last
+    force that it bears.
 
     md: (k+1,) measured depths of the edges [m].
     tension: (k+1, c) effective axial force [N]; torque: (k+1, c) [N m].
@@ -151,191 +168,93 @@ class Hole:
         return np.stack([getattr(rows, name)[self.item[:, p]] for p, rows in enumerate(self.placed)], axis=1)
 
 
+class SoftStrings:
+    """The strings of some holes, ready to be integrated, numbered through.
+
+    Hundreds of bit depths cost what they cost alone if each has a hole, and so steps, of its own.
+    """
+
+    def __init__(self, holes: Sequence[Hole]) -> None:
+        self.holes, rows, sections = holes, list[FloatArray](), []
+        ends: list[tuple[float, float]] = []
+        for hole in holes:
+            down = np.asarray(hole.well.at([string.depth for string in hole.placed])[1])[:, 2]
+            ends += zip((string.end_weight for string in hole.placed), down.tolist(), strict=True)
+            for p, count in enumerate(hole.inside.sum(axis=0)):
+                of = {name: values[:count, p] for name, values in hole.of.items()}
+                along = (hole.h, hole.down, hole.kk, hole.kz, hole.zz)
+                row = [*(q[:count] for q in along), of["weight"], of["contact_radius"]]
+                row += [of["bending_stiffness"], of["clearance"], of["friction"], hole.vertical[:count]]
+                rows.append(np.column_stack(row))
+                sections.append(hole.section[:count])
+        self._first = np.append(0, np.cumsum([len(q) for q in rows])).astype(np.int32)
+        self._rows = np.ascontiguousarray(np.concatenate(rows), dtype=float)
+        self._section = np.concatenate(sections).astype(np.int32)
+        self._end = np.array(ends, dtype=float)
+
+    def ends(
+        self, loads: Columns, edges: FloatArray | None = None, steps: FloatArray | None = None
+    ) -> TopLoads:
+        """Both ends of c strings, and what is between them into ``edges`` and ``steps``, as compiled code has them."""
+        count, lift = len(loads.placed), loads.lift or ()
+        shared = {id(values): values for values in lift}  # columns of one point have one array
+        starts = dict(zip(shared, np.cumsum([0, *(len(q) for q in shared.values())]), strict=False))
+        numbers = {
+            name: q for name, q in vars(loads).items() if name not in ("placed", "friction", "torque", "lift")
+        }
+        arrays: dict[str, Any] = {
+            "first": self._first,
+            "rows": self._rows,
+            "section": self._section,
+            "end": self._end,
+            "placed": np.ascontiguousarray(loads.placed, dtype=np.int32),
+            "friction": np.ascontiguousarray(loads.friction, dtype=float),
+            "lift": np.concatenate([*shared.values(), np.zeros(1)]),
+            "lift_at": np.array([starts[id(q)] for q in lift] or [-1] * count, dtype=np.int32),
+            **{
+                name: np.full(count, q, dtype=float)
+                for name, q in (numbers | {"moment": loads.torque}).items()
+            },
+            **{name: np.empty(count) for name in TopLoads._fields},
+        }
+        if edges is not None and steps is not None:
+            arrays |= {"edges": edges, "steps": steps}
+        call = _Call(**{name: pointer(array) for name, array in arrays.items()})
+        call.largest, call.count, call.sections = LARGEST_FORCE, count, arrays["friction"].shape[1]
+        call.most = 0 if steps is None else steps.shape[1]
+        _soft_strings(ctypes.addressof(call))
+        return TopLoads(*(arrays[name] for name in TopLoads._fields))
+
+
 def soft_strings(hole: Hole, loads: Columns) -> Batch:
-    """Integrate all strings from the bit up.
-
-    Within a step whether the string is helical follows from the force at the step's lower end, so that the stage
-    equations are smooth.
-    """
-    with np.errstate(over="ignore", invalid="ignore"):  # of strings whose force grows without bound
-        return _soft_strings(hole, loads)
-
-
-@dataclass(frozen=True)
-class Step:
-    """Result of one step, or of all at once: rows (.., c) of each.
-
-    above: force at the upper end [N]; contact: mean wall force per length [N/m]; mean: force [N].
-    state: 0 straight, 1 sinusoidal, 2 helical.
-    ratios: (2, .., c) compression over both buckling loads, as in ``Batch``.
-    growth: of a change of the force over the step.
-    """
-
-    above: FloatArray
-    contact: FloatArray
-    mean: FloatArray
-    state: np.ndarray
-    ratios: FloatArray
-    growth: FloatArray
-
-
-class Steps:
-    """The steps of soft strings under their loads: the force at the upper end of a step from that at its lower end."""
-
-    def __init__(self, hole: Hole, loads: Columns) -> None:
-        self.hole, self.loads = hole, loads
-        placed, of = loads.placed, hole.of
-        own = of["friction"][:, placed] * loads.item_factor
-        self.mu = np.where(np.isnan(own), loads.friction.T[hole.section], own)
-        around = loads.rotation * of["contact_radius"][:, placed]
-        speed = np.hypot(loads.axial_velocity, around)
-        scale = np.divide(1.0, speed, out=np.zeros_like(speed), where=speed > 0)
-        along, self.hoop = loads.axial_velocity * scale, around * scale
-        self.drag = along * self.mu
-        self.weight = of["weight"][:, placed] * loads.weight_factor
-        self.inside = hole.inside[:, placed]
-        stiffness, clearance = of["bending_stiffness"][:, placed], of["clearance"][:, placed]
-        self.extra = clearance / (4 * stiffness)
-        self.root = np.sqrt(stiffness / clearance)
-        self.hanging = np.where(hole.vertical[:, None], np.cbrt(self.weight**2 * stiffness), 0.0)
-        self.h = np.where(self.inside, hole.h[:, None], 0.0)
-        self.lift = np.zeros((len(hole.h), 1)) if loads.lift is None else loads.lift
-
-    @property
-    def end(self) -> FloatArray:
-        """(c,) force at the lower ends [N]."""
-        hole, loads, placed = self.hole, self.loads, self.loads.placed
-        weight = np.array([rows.end_weight for rows in hole.placed])[placed] * loads.weight_factor
-        lower_end = np.array([rows.depth for rows in hole.placed])
-        at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
-        return np.asarray(weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust))
-
-    def from_below(self, t: FloatArray, i: int | slice = slice(None), h: FloatArray | None = None) -> Step:
-        """Take the step number ``i``, or all, from the forces ``t`` (.., c) [N] at the lower ends.
-
-        h: (c,) length of the step [m], by default that of the part inside the string.
-        """
-        hole, w, drag = self.hole, self.weight[i], self.drag[i]
-        step = self.h[i] if h is None else h
-        down, kk, kz, zz = (q[i][..., None] for q in (hole.down, hole.kk, hole.kz, hole.zz))
-        (d1, d2), (k1, k2), (z1, z2), (y1, y2) = ((q[..., 0, :], q[..., 1, :]) for q in (down, kk, kz, zz))
-        lift = self.lift[i]
-        g1, g2 = w * d1 - lift, w * d2 - lift
-        c1, c2 = 2 * w * z1, 2 * w * z2
-        w1, w2 = w * w * y1, w * w * y2
-        push = np.maximum(-t, 0.0)
-        side = np.sqrt(np.maximum((t * k2 + c2) * t + w2, 0.0))
-        load, hanging = self.root[i] * np.sqrt(side), self.hanging[i]
-        limits = (
-            np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging),
-            np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging),
-        )
-        buckled, helical = (push > limit for limit in limits)
-        none = np.where(push > 0, np.inf, 0.0)
-        ratios = np.stack([np.divide(push, q, out=none.copy(), where=q > 0) for q in limits])
-        e = np.where(helical, self.extra[i], 0.0)
-        upper, n1, f1, lower, n2, f2 = _stages(t, step, drag, e, (g1, k1, c1, w1), (g2, k2, c2, w2))
-        middle = 0.5 * (lower + upper)
-        dn = np.divide(
-            middle * k2 + 0.5 * c2, side, out=np.zeros(t.shape), where=side > 1e-9
-        )  # dN/dT without the helix
-        growth = step * drag * (dn + 2 * e * middle)
-        state = np.where(helical, 2, buckled)
-        return Step(t + 0.5 * step * (f1 + f2), 0.5 * (n1 + n2), middle, state, ratios, growth)
-
-    def batch(
-        self,
-        tension: FloatArray,
-        steps: Step,
-        broken: np.ndarray | None = None,
-        stop: FloatArray | None = None,
-    ) -> Batch:
-        """Everything that forces (k+1, c) [N] at the edges give, with their ``steps``.
-
-        broken, stop: (c,) strings that cannot carry their weight on bit, and measured depths [m] of the places; None: none.
-        """
-        hole, loads, placed, inside = self.hole, self.loads, self.loads.placed, self.inside
-        count = len(placed)
-        broken = np.zeros(count, dtype=bool) if broken is None else broken
-        stop = np.full(count, np.nan) if stop is None else stop
-        h, mean = self.h, steps.mean
-        torque_step = h * self.hoop * hole.of["contact_radius"][:, placed] * self.mu * steps.contact
-        torque = loads.torque + np.vstack([np.cumsum(torque_step[::-1], axis=0)[::-1], np.zeros((1, count))])
-        elongation = (h * mean / hole.of["axial_stiffness"][:, placed]).sum(0)
-        twist = (h * 0.5 * (torque[:-1] + torque[1:]) / hole.of["torsional_stiffness"][:, placed]).sum(0)
-        locked = np.where(broken, stop, _locked(hole, steps.growth, loads.axial_velocity < 0))
-        for values in (elongation, twist):
-            values[broken] = np.nan
-        below = np.vstack([np.ones((1, count), dtype=bool), inside])
-        tension = np.where(below, tension, np.nan)
-        torque = np.where(below, torque, np.nan)
-        above = np.isnan(stop) | (hole.edges[:, None] >= stop)
-        return Batch(
-            hole.edges,
-            np.where(above, tension, np.nan),
-            np.where(above, torque, np.nan),
-            np.where(inside, steps.contact, np.nan),
-            np.where(inside & above[:-1], steps.state, 0),
-            np.where(inside & above[:-1], steps.ratios, 0.0),
-            elongation,
-            twist,
-            locked,
-            broken,
-            inside,
-            hole.item[:, placed],
-        )
-
-
-def _soft_strings(hole: Hole, loads: Columns) -> Batch:
-    steps, k, count = Steps(hole, loads), len(hole.h), len(loads.placed)
-    h_inside = steps.h.copy()
-    tension = np.empty((k + 1, count))
-    tension[-1] = t = steps.end
-    contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
-    ratios = np.zeros((2, k, count))
-    mean, growth = np.zeros((k, count)), np.zeros((k, count))
-    broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
-    for i in range(k - 1, -1, -1):
-        step = steps.from_below(t, i, h_inside[i])
-        t = step.above
-        lost = ~broken & ~(np.abs(t) < LARGEST_FORCE)
-        if lost.any() or broken.any():
-            broken |= lost
-            stop = np.where(lost, hole.edges[i + 1], stop)
-            t = np.where(broken, -LARGEST_FORCE, t)
-            h_inside[: i + 1, broken] = 0.0
-        tension[i], contact[i], mean[i], state[i] = t, step.contact, step.mean, step.state
-        growth[i], ratios[:, i] = step.growth, step.ratios
-    return steps.batch(tension, Step(tension[:-1], contact, mean, state, ratios, growth), broken, stop)
-
-
-def _stages(t: FloatArray, step: FloatArray, drag: FloatArray, e: FloatArray, up: tuple, low: tuple) -> tuple:
-    """Solve both Gauss stages of a step from the forces t (c,) [N] at its lower end.
-
-    step: (c,) lengths [m]; drag: (c,) friction along the string [-]; e: (c,) of the helix [1/(N m)].
-    up, low: of each stage the weight along the hole (c,) [N/m], and k, c, w of the wall force sqrt(k T^2 + c T + w) [N/m].
-    Returns force [N], wall force and growth of the force [N/m], (c,) each, at the upper and then at the lower stage.
-    """
-    (g1, k1, c1, w1), (g2, k2, c2, w2) = up, low
-    upper = lower = t
-    for _ in range(50):
-        n2 = np.sqrt(np.maximum((lower * k2 + c2) * lower + w2, 0.0)) + e * lower * lower
-        n1 = np.sqrt(np.maximum((upper * k1 + c1) * upper + w1, 0.0)) + e * upper * upper
-        f2, f1 = g2 + drag * n2, g1 + drag * n1
-        new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
-        change = np.abs(new_lower - lower) + np.abs(new_upper - upper)
-        lower, upper = new_lower, new_upper
-        if (change <= 1e-12 * (np.abs(t) + step * (np.abs(f1) + np.abs(f2))) + 1e-300).all():
-            break
-    return upper, n1, f1, lower, n2, f2
-
-
-def _locked(hole: Hole, slope: FloatArray, lowered: np.ndarray) -> FloatArray:
-    """(c,) measured depth below which less than `PASSED` of a change of the hook load arrives; nan where there is none.
-
-    slope: (k, c) growth of a change of the force over a step, upwards.
-    """
-    passed = np.cumsum(slope, axis=0)  # from the top down to the lower end of each step
-    less = passed > -np.log(PASSED)
-    found = less.any(0) & lowered & less[-1]
-    return np.where(found, hole.edges[1:][np.argmax(less, axis=0)], np.nan)
+    """Integrate strings of a hole, and keep all that they have along it."""
+    placed, k = loads.placed, len(hole.h)
+    edges, steps = np.full((len(placed), k + 1, 2), np.nan), np.full((len(placed), k, _STEP.width), np.nan)
+    SoftStrings([hole]).ends(loads, edges, steps)
+    tension, torque = np.moveaxis(edges, 0, 1)[..., 0], np.moveaxis(edges, 0, 1)[..., 1]
+    contact, mean, *both, growth = np.moveaxis(steps, (2, 1), (0, 1))
+    ratios = np.nan_to_num(both, nan=0.0, posinf=np.inf)
+    borne = np.isfinite(tension)
+    broken = ~borne[0]
+    h, turned = hole.h[:, None], 0.5 * (torque[:-1] + torque[1:])
+    elongation = np.nansum(h * mean / hole.of["axial_stiffness"][:, placed], axis=0)
+    twist = np.nansum(h * turned / hole.of["torsional_stiffness"][:, placed], axis=0)
+    elongation[broken] = twist[broken] = np.nan
+    # below which less than `PASSED` of a change of the hook load arrives
+    less = np.cumsum(np.nan_to_num(growth), axis=0) > -np.log(PASSED)
+    held = less[-1] & np.broadcast_to(np.asarray(loads.axial_velocity) < 0, len(placed))
+    locked = np.where(held, hole.edges[1:][np.argmax(less, axis=0)], np.nan)
+    return Batch(
+        hole.edges,
+        tension,
+        torque,
+        contact,
+        (ratios > 1).sum(axis=0),
+        ratios,
+        elongation,
+        twist,
+        np.where(broken, hole.edges[np.argmax(borne, axis=0)], locked),
+        broken,
+        hole.inside[:, placed],
+        hole.item[:, placed],
+    )

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, rows_at
 from drillpetsc.arrays import FloatArray
@@ -234,49 +236,67 @@ def running_speed(case: Case, operation: str, axial_velocity: float) -> float:
     return -axial_velocity if moved and case.rig is not None and case.rig.running_drag else 0.0
 
 
-def groups_of(case: Case) -> np.ndarray:
-    """(m,) name of the group of each section of the hole: cased, open_hole, or its ff_group."""
-    return np.array([section.group for section in case.given_well.sections])
+@dataclass(frozen=True)
+class FrictionGroups:
+    """Friction of the sections of a hole.
+
+    of: (m,) name of the group of each: cased, open_hole, or its ff_group; own: (m,) friction of each in the case.
+    """
+
+    of: tuple[str, ...]
+    own: FloatArray
+
+    @property
+    def last(self) -> dict[str, float]:
+        """Friction of each group, of several sections that of the deepest; cased and open hole first."""
+        last = dict(zip(self.of, self.own.tolist(), strict=True))
+        return {name: last[name] for name in dict.fromkeys([*(k for k in KINDS if k in last), *last])}
+
+    def friction(self, factors: Mapping[str, ArrayLike]) -> FloatArray:
+        """(m,), or (s, m) for (s,) factors each: friction of the sections, their own in groups without a factor."""
+        pairs = zip(self.of, self.own, strict=True)
+        return np.stack(np.broadcast_arrays(*(factors.get(name, mu) for name, mu in pairs)), axis=-1)
+
+
+def groups_of(case: Case) -> FrictionGroups:
+    """The friction of the sections of a case's hole."""
+    sections = case.given_well.sections
+    return FrictionGroups(tuple(q.group for q in sections), np.array([q.friction for q in sections], float))
 
 
 def pairs_of(case: Case, plan: Roadmap, notes: list[str]) -> list[Pair]:
     """Friction pairs in the order of the case.  Raises CaseError for a group that the well does not have."""
-    own = np.array([s.friction for s in case.given_well.sections], dtype=float)
-    group, factors = groups_of(case), plan.friction_factor
+    groups, factors = groups_of(case), plan.friction_factor
     given = {} if factors is None else factors.by_group
-    further = [str(name) for name in dict.fromkeys(group) if name not in KINDS]
+    further = [name for name in groups.last if name not in KINDS]
     for name in given:
         if name not in KINDS and name not in further:
             want = f"one of {', '.join(further)}" if further else "no groups: no section has a ff_group"
             raise CaseError(at=f"roadmap.friction_factor.groups.{name}", got=name, want=want)
 
     def pair(friction: FloatArray, item_factor: float = 1.0) -> Pair:
-        last = {str(name): float(mu) for name, mu in zip(group, friction, strict=True)}
+        last = replace(groups, own=friction).last
         text = ", ".join(f"{name} {last[name]:.4g}" for name in further)
         cased, opened = (last.get(name, np.nan) for name in KINDS)
         return Pair(cased, opened, friction, item_factor, text)
 
-    for name in dict.fromkeys(group):
-        if len(set(own[group == name])) > 1 and name not in given:
-            words = {"cased": "cased", "open_hole": "open-hole"}.get(str(name), f"{name}")
+    for name in dict.fromkeys(groups.of):
+        own = {mu for group, mu in zip(groups.of, groups.own.tolist(), strict=True) if group == name}
+        if len(own) > 1 and name not in given:
+            words = {"open_hole": "open-hole"}.get(name, name)
             notes.append(
                 f"several {words} sections with different friction factors: the deepest section's is shown"
             )
     if factors is None:
-        return [pair(own * f, f) for f in FACTORS]
+        return [pair(groups.own * f, f) for f in FACTORS]
     if factors.combine == "all":
         chosen = list(itertools.product(*given.values()))
     else:
         count = max(len(values) for values in given.values())
         chosen = list(zip(*(v * count if len(v) == 1 else v for v in given.values()), strict=False))
-    out = []
-    for values in chosen:
-        friction = own.copy()
-        for name, value in zip(given, values, strict=True):
-            friction[group == name] = value
-        out.append(pair(friction))
+    out = [pair(groups.friction(dict(zip(given, values, strict=True)))) for values in chosen]
     for name in KINDS:
-        if name in given and not (group == name).any():
+        if name in given and name not in groups.of:
             notes.append(f"friction_factor.{name} has no effect: the well has no such section")
     return out
 

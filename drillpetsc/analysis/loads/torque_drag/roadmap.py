@@ -71,12 +71,11 @@ def columns_of(loads: list[Load], placed: list[int], pairs: list[Pair]) -> Colum
     return Columns(
         np.array(placed, dtype=int),
         np.array([pair.friction for pair in pairs]),
-        np.array([pair.item_factor for pair in pairs]),
         np.array([load.wob for load in loads]),
         np.array([load.torque for load in loads]),
         np.array([load.axial_velocity for load in loads]),
         np.array([load.rotation for load in loads]),
-        np.ones(len(loads)),
+        np.array([pair.item_factor for pair in pairs]),
     )
 
 
@@ -218,10 +217,10 @@ def _with_flow(
     hole: Hole, columns: Columns, mud: Pressures, found: list[Circulation | SolveError | None]
 ) -> tuple[Columns, Pressures]:
     """Columns and pressures with the forces of the mud where it flows."""
-    lift, thrust = np.zeros((len(hole.h), len(found))), np.zeros(len(found))
+    lift, thrust = [np.zeros(len(hole.h))] * len(found), np.zeros(len(found))
     for c, flow in enumerate(found):
         if isinstance(flow, Circulation):
-            lift[:, c], thrust[c] = flow.lift(hole.edges), flow.thrust
+            lift[c], thrust[c] = flow.lift(hole.edges), flow.thrust
             mud.inside[:, c] = np.interp(hole.edges, flow.md, flow.inside)
             mud.outside[:, c] = np.interp(hole.edges, flow.md, flow.outside)
             mud.momentum[:, c] = np.interp(hole.edges, flow.md, flow.momentum)

@@ -9,14 +9,15 @@ import numpy as np
 from drillpetsc.analysis.hydraulics.flow_model import SHORTEST_PIECE, string_at, with_length
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.blocks.items.reamer import Reamer
-from drillpetsc.case.blocks.items.string import Beam, Flexible, Item, Rigid, Stabilizer, Tool, Tube
-from drillpetsc.case.blocks.items.tubulars import Jointed, Tubular
+from drillpetsc.case.blocks.items.string import Flexible, Item, Rigid
+from drillpetsc.case.blocks.items.tubulars import Jointed
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.fit import misfit
-from drillpetsc.case.pipe.section import metal_past, ring, tubular_section
 from drillpetsc.errors import CaseError
+from drillpetsc.fem.string_mesh import plain_sizes
 from drillpetsc.geometry.well import Well
 from drillpetsc.model.hole import build_well
+from drillpetsc.model.item_section import STIFFNESSES, metal_of, section_of
 from drillpetsc.units import to_si
 
 JOINT = to_si("31 ft", "m")  # length of a joint where the item names none, range 2 [m]
@@ -33,7 +34,7 @@ class StringRows:
     axial_stiffness EA [N], bending_stiffness EI, torsional_stiffness GJ [N m2]; infinite for rigid items.
     friction: of the item, nan: that of the hole.
     joint_length [m].
-    worn_area [m2], worn_radius, bore_radius [m], yield_strength [Pa], young [Pa]: for limits; nan where not known.
+    worn_radius, bore_radius [m], young [Pa], yield_strength [Pa]: for limits; the latter nan if not known.
     half_joint: half the length of a joint whose bending gathers beside the tool joints [m], nan for others.
     pressed_area: area of the wall, of the tube between tool joints, on which the pressure of the mud acts [m2].
     air_weight: weight of the whole string in air [N].
@@ -49,7 +50,6 @@ class StringRows:
     torsional_stiffness: FloatArray
     friction: FloatArray
     joint_length: FloatArray
-    worn_area: FloatArray
     worn_radius: FloatArray
     bore_radius: FloatArray
     yield_strength: FloatArray
@@ -64,25 +64,6 @@ class StringRows:
     def depth(self) -> float:
         """Measured depth of the lower end [m]."""
         return float(self.edges[-1])
-
-
-_COLUMNS = (
-    "weight",
-    "contact_radius",
-    "clearance_radius",
-    "axial_stiffness",
-    "bending_stiffness",
-    "torsional_stiffness",
-    "friction",
-    "joint_length",
-    "worn_area",
-    "worn_radius",
-    "bore_radius",
-    "yield_strength",
-    "young",
-    "pressed_area",
-    "half_joint",
-)
 
 
 def need_well(case: Case, command: str) -> Well:
@@ -132,7 +113,7 @@ def rows_at(case: Case, depth: float, at: str = "roadmap.bit_depth") -> StringRo
         pending = 0.0
         rows.append(row)
         edges.append(edges[-1] + item.length)
-    columns = {name: np.array([row[name] for row in rows]) for name in _COLUMNS}
+    columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     return StringRows(
         edges=np.array(edges), **columns, end_weight=pending, air_weight=air, misfit=_misfit(case, items)
     )
@@ -187,78 +168,33 @@ def _misfit(case: Case, items: tuple[Item, ...]) -> str:
 def _of(case: Case, item: Item, middle: float) -> tuple[float, float, float, dict[str, float]]:
     """(mass [kg], volume of metal and of the bore [m3], row without its weight) of an item in the hole.
 
-    middle: measured depth of the item's middle [m].
+    middle: measured depth of the item's middle [m], where the hole's diameter is taken.
     """
     nan = float("nan")
-    outer, inner = item.od or 0.0, item.id or 0.0
-    row = {
-        "contact_radius": 0.5 * (item.contact_od or 0.0),
-        "clearance_radius": 0.5 * (item.clearance_od or 0.0),
-        "axial_stiffness": np.inf,
-        "bending_stiffness": np.inf,
-        "torsional_stiffness": np.inf,
-        "friction": nan if item.friction is None else item.friction,
-        "joint_length": JOINT,
-        "worn_area": nan,
-        "worn_radius": nan,
-        "bore_radius": nan,
-        "yield_strength": nan,
-        "young": nan,
-        "pressed_area": 0.0,
-        "half_joint": nan,
-    }
     if isinstance(item, Rigid):
-        return _rigid(case, item, middle, row)
-    assert isinstance(item, Flexible)
-    if isinstance(item, Tubular):
-        s = tubular_section(item)
-        per_length, metal, bore = s.mass, s.outer_area - s.bore_area, s.bore_area
-        row["pressed_area"] = s.tube_outer_area - s.tube_bore_area
-        row |= {
-            key: getattr(s, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
-        }
-        row |= {"worn_radius": 0.5 * s.worn_diameter, "worn_area": ring(s.worn_diameter, item.id)[0]}
-        row |= {
-            "bore_radius": 0.5 * item.id,
-            "yield_strength": s.yield_strength,
-            "young": item.material.young,
-        }
-        if s.joint_length == s.joint_length:
-            row["joint_length"] = s.joint_length
-        if isinstance(item, Jointed) and item.contact_on == "tool_joint":
-            row["half_joint"] = 0.5 * item.joint_length
-    elif isinstance(item, Tube):
-        m = item.material
-        area, moment = ring(outer, inner)
-        per_length, bore = m.density * area, item.bore_section
-        metal = area if item.annulus_od is None and item.bore_volume is None else item.outer_section - bore
-        row |= {"axial_stiffness": m.young * area, "bending_stiffness": m.young * moment}
-        row["torsional_stiffness"] = m.young / (1 + m.poisson) * moment
-        if isinstance(item, Tool):
-            row |= item.given_stiffness
+        s = plain_sizes(item.od or 0.0, item.id) | dict.fromkeys(STIFFNESSES, np.inf)
+        mass, bore = item.mass, item.bore_section * item.length
+        metal = metal_of(item, item.bore_section, case.well, middle)
     else:
-        assert isinstance(item, Beam)
-        per_length, bore = item.mass, np.pi / 4 * inner**2
-        metal = np.pi / 4 * outer**2 - bore
-        row |= {
-            key: getattr(item, key) for key in ("axial_stiffness", "bending_stiffness", "torsional_stiffness")
-        }
-    if not isinstance(item, Tubular):
-        row["pressed_area"] = metal
-    return per_length * item.length, metal * item.length, bore * item.length, row
-
-
-def _rigid(
-    case: Case, item: Rigid, middle: float, row: dict[str, float]
-) -> tuple[float, float, float, dict[str, float]]:
-    """As `_of`, for a rigid item, whose metal displaces mud as in the solver."""
-    bore = item.bore_section * item.length
-    metal = item.mass / item.material.density
-    if item.annulus_od is not None:
-        metal = item.outer_section * item.length - bore
-    elif isinstance(item, Stabilizer) and item.bypass_area is not None and case.well is not None:
-        metal = metal_past(item, case.well.diameter_at(middle))
-    return item.mass, metal, bore, row
+        assert isinstance(item, Flexible)
+        s = section_of(item)
+        mass, bore = s["mass"] * item.length, s["bore_area"] * item.length
+        metal = s["outer_area"] * item.length - bore
+    gathers = isinstance(item, Jointed) and item.contact_on == "tool_joint"
+    row = {
+        "contact_radius": 0.5 * s["contact_diameter"],
+        "clearance_radius": 0.5 * s["clearance_diameter"],
+        **{key: s[key] for key in STIFFNESSES},
+        "friction": nan if item.friction is None else item.friction,
+        "joint_length": JOINT if np.isnan(s["joint_length"]) else s["joint_length"],
+        "worn_radius": 0.5 * s["worn_diameter"],
+        "bore_radius": 0.5 * s["inner_diameter"],
+        "yield_strength": s["yield_strength"],
+        "young": nan if item.material is None else item.material.young,
+        "pressed_area": s["tube_outer_area"] - s["tube_bore_area"],
+        "half_joint": 0.5 * s["joint_length"] if gathers else nan,
+    }
+    return mass, metal, bore, row
 
 
 def bends_left_out(case: Case) -> list[str]:

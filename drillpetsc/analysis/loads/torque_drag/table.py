@@ -35,6 +35,7 @@ def rows_of(
     placed = loads.placed
     md = batch.md
     hook, torque = batch.tension[0], batch.torque[0]
+    wob = np.broadcast_to(loads.wob, len(placed))
     joint = hole.item_values("joint_length")[:, placed]
     side = [_side_force(hole, batch, joint[:, c], c) for c in range(len(placed))]
     factor, margin = stress_and_margin(hole, loads, batch, mud)
@@ -49,7 +50,7 @@ def rows_of(
             "surface_torque": torque[c],
             "stretch": batch.elongation[c],
             "twist": batch.twist[c],
-            "wob": loads.wob[c],
+            "wob": wob[c],
             "min_effective_tension": tension[lowest[c]],
             "md_of_min": md[lowest[c]],
             "neutral_point": neutral_point(md, tension),
@@ -173,20 +174,12 @@ def stress_and_margin(
     The stresses are those of `limits`, with the bending moment of the hole's curvature (manual: sec-soft-string-stress).
     """
     placed = loads.placed
-    names = (
-        "yield_strength",
-        "worn_area",
-        "worn_radius",
-        "bore_radius",
-        "young",
-        "pressed_area",
-        "half_joint",
-    )
-    yield_, area, radius, bore, young, pressed, half = (hole.item_values(name)[:, placed] for name in names)
+    names = ("yield_strength", "worn_radius", "bore_radius", "young", "pressed_area", "half_joint")
+    yield_, radius, bore, young, pressed, half = (hole.item_values(name)[:, placed] for name in names)
     known = batch.inside & np.isfinite(yield_)
     stiffness = np.where(known, hole.of["bending_stiffness"][:, placed], np.nan)
     bend = young * 0.25 * np.pi * (radius**4 - bore**4) * hole.curvature.max(axis=1)[:, None]
-    opening = np.pi * bore**2
+    opening, area = np.pi * bore**2, np.pi * (radius**2 - bore**2)
     factor = np.full(len(placed), np.inf)
     margin = np.full(len(placed), np.inf)
     for ends in (slice(0, -1), slice(1, None)):

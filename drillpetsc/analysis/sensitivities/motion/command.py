@@ -10,10 +10,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from drillpetsc.analysis.motion.session.live_outputs import SessionOutput
-from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative
+from drillpetsc.analysis.sensitivities.answer import Answer
+from drillpetsc.analysis.sensitivities.derivatives import ONE_SIDED, Derivative, both_sides, full_difference
 from drillpetsc.analysis.sensitivities.doubts import (
     Checked,
-    Differentiated,
     Followed,
     HoleRenewed,
     Stepped,
@@ -23,16 +23,13 @@ from drillpetsc.analysis.sensitivities.keys import Key
 from drillpetsc.analysis.sensitivities.motion.chaos import determined_until
 from drillpetsc.analysis.sensitivities.motion.outputs import RunOutput, parsed_outputs
 from drillpetsc.analysis.sensitivities.motion.run_of_case import TOLERANCE, RunOfCase, RunSeries, converged
-from drillpetsc.analysis.sensitivities.rows import row_of, row_of_check, without_effect, zero_flows
 from drillpetsc.analysis.sensitivities.solution import Output
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
-from drillpetsc.doubts import doubts_at
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.fem.quantity import Quantity
 from drillpetsc.output import write_table
-from drillpetsc.output.files.json_file import plain
-from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY, SENSITIVITIES_TABLE
+from drillpetsc.output.files.run_folder import SENSITIVITIES_HISTORY
 from drillpetsc.output.job import Job, RunResult
 from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.generalized_alpha import GeneralizedAlpha
@@ -99,29 +96,26 @@ def run_sensitivities_of_run(
         Unchecked(case, repeated.unchecked),
         HoleRenewed(case, surveyed),
     ]
-    one_sided = any(ONE_SIDED in d.flag for d in found)
-    rows = [row_of(d) for d in found]
-    summary = {
-        "title": case.title,
-        "analysis": "run",
-        "outputs": {q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
-        "sensitivities": plain(rows),
-        "checked": plain([row_of_check(at) for at in compared]),
-        "cost": cost,
-        "skipped": series.skipped,
-        "units": case.shown_units,
-        "warnings": [sentence for at in moments for sentence in doubts_at(at)],
-        "notes": doubts_at(
-            Differentiated(case, "run", one_sided, without_effect(found), {}, zero_flows(found))
-        ),
-    }
+    answer = Answer(
+        case,
+        "run",
+        {q.name: value for q, (value, _) in zip(outputs, repeated.numbers, strict=True)},
+        found,
+        compared,
+        series.skipped,
+        cost=cost,
+    )
+    summary = answer.summary(moments)
     folder = job.make_folder()
     if job.comm.rank == 0:
         units = {name: q.unit for name, q in described.items()}
         every = case.output.history_every
         rows_at = _rows(series.times, series.times[-1] if every is None else float(every))
         _write_history(folder.path / SENSITIVITIES_HISTORY, columns, units, series, rows_at)
-    return job.result(folder, summary, _lines(case, found, summary), {SENSITIVITIES_TABLE: rows})
+    text = f"  {cost['steps']:.0f} steps in {cost['with_derivatives']:.3g} s of processor time"
+    text += f", {cost['ratio']:.2g} times that of the run alone" if "ratio" in cost else ""
+    lines = [*answer.lines("runs with the same steps"), text]
+    return job.result(folder, summary, lines, answer.tables)
 
 
 def _until(series: RunSeries, column: int, names: Sequence[str]) -> dict[str, float]:
@@ -234,12 +228,11 @@ class _Repeated:
         self.numbers, self.seconds = _numbers(outputs, columns, series), 0.0
         self.unchecked: list[str] = []
 
-    def values(self, key: Key, change: float) -> FloatArray:
-        """Outputs (m,) of the run with the key changed by ``change`` [its SI unit]; collective.
+    def values(self, case: Case) -> FloatArray:
+        """Outputs (m,) of the run of a changed case; collective.
 
         Raises SolveError if it cannot take the same steps.
         """
-        case = key.changed(self.case, key.value + change)
         with options.applied(case.petsc), converged():
             run = RunOfCase(case, self.comm)
             if not run.has_events:
@@ -252,42 +245,27 @@ class _Repeated:
 
     def both_sides(self, key: Key) -> FloatArray:
         """Effects (2, m) of the stated change below and above; nan where there is none."""
-        base, out = np.array([value for value, _ in self.numbers]), []
-        for sign in (-1.0, 1.0):
-            try:
-                out.append(sign * (self.values(key, sign * key.per) - base))
-            except (CaseError, SolveError):
-                out.append(np.full(len(base), np.nan))
-        return np.array(out)
+        return both_sides(self.case, key, self.values, np.array([value for value, _ in self.numbers]))
 
     def checked(self, found: Sequence[Derivative], count: int) -> list[Checked]:
         """Compare the derivatives by the first ``count`` keys without a flag with central differences."""
         out, flagged = [], {d.key.name for d in found if d.flag not in ("", STEPS)}
+        rounding = ROUNDING_OF_DIFFERENCES if self.case.fluid or self.case.formation else 0.0
         for key in [key for key in self.series.keys if key.name not in flagged][:count]:
             try:
-                slopes = [
-                    (self.values(key, h * key.size) - self.values(key, -h * key.size)) / (2 * h * key.size)
-                    for h in CHECK_STEPS
-                ]
+                full, first = full_difference(self.case, key, self.values, CHECK_STEPS)
             except SolveError:
                 self.unchecked.append(key.name)
                 continue
-            square = (CHECK_STEPS[0] / CHECK_STEPS[1]) ** 2
-            full = (square * slopes[1] - slopes[0]) / (square - 1)
             own = [d for d in found if d.key is key]
             ours = np.array([d.slope for d in own])
             # the first has the noise of two runs, the other one the curvature within its step: a wrong derivative is near neither
-            full = np.where(abs(full - ours) < abs(slopes[0] - ours), full, slopes[0])
-            for d, difference in zip(own, full, strict=True):
+            full = np.where(abs(full - ours) < abs(first - ours), full, first)
+            for d, slope in zip(own, full, strict=True):
                 scale = key.value / d.value if d.value and key.value else 0.0
                 out.append(
                     Checked(
-                        self.case,
-                        d.output.name,
-                        key.name,
-                        d.slope * scale,
-                        float(difference) * scale,
-                        ROUNDING_OF_DIFFERENCES if self.case.fluid or self.case.formation else 0.0,
+                        self.case, d.output.name, key.name, d.slope * scale, float(slope) * scale, rounding
                     )
                 )
         return out
@@ -312,29 +290,3 @@ def _write_history(
             titles.append((f"{name} by {key.name}", units[name]))
             values.append(series.slopes[at, i, k] * key.size)
     write_table(path, titles, values)
-
-
-def _lines(case: Case, found: Sequence[Derivative], summary: dict[str, Any]) -> list[str]:
-    lines = [f"{case.title or 'case'}: sensitivities of a run, effect of a change of each key"]
-    for output in dict.fromkeys(d.output for d in found):
-        known = (d for d in found if d.output == output and d.slope and np.isfinite(d.slope))
-        mine = sorted(known, key=lambda d: -abs(d.effect))
-        lines.append(
-            f"  {output.name} {next(d.value for d in found if d.output == output):.6g} {output.quantity.unit}"
-        )
-        lines += [
-            f"    {d.key.name:<40} {f'{d.key.value:.6g} + {d.key.per:.3g} {d.key.unit}'.rstrip():<28} {d.effect:>+12.5g} "
-            f"{output.quantity.unit:<6} {'' if np.isnan(d.relative) else f'{d.relative:.3f}':>10}  {d.flag}".rstrip()
-            for d in mine
-        ]
-    cost = summary["cost"]
-    text = f"  {cost['steps']:.0f} steps in {cost['with_derivatives']:.3g} s of processor time"
-    lines.append(text + (f", {cost['ratio']:.2g} times that of the run alone" if "ratio" in cost else ""))
-    if summary["checked"]:
-        worst = max(np.inf if c["error"] is None else c["error"] for c in summary["checked"])
-        lines.append(
-            f"  {len(summary['checked'])} derivatives checked by runs with the same steps: largest error {worst:.1e}"
-        )
-    if summary["skipped"]:
-        lines.append(f"  note: {len(summary['skipped'])} keys left out, with reasons in summary.json")
-    return lines

@@ -8,6 +8,7 @@ from drillpetsc.analysis.calibration.estimator import Fit
 from drillpetsc.analysis.loads.torque_drag.readings.along_depth import Drift, drift_of, windows
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import LOCKED, Calibration
 from drillpetsc.arrays import FloatArray
+from drillpetsc.physics.roots import bracketed_root
 
 FEWEST_WINDOWS, DRIFT_STEPS = 5, 4  # of a drift; steps of Newton's method in each window
 SMALLEST_EFFECT = 1e-6  # of a friction factor of 1 on a reading that shows it at all [-]
@@ -60,7 +61,6 @@ def alone_by_reading(work: Calibration, fit: Fit) -> FloatArray:
     Brent's method on a monotone cubic through the readings of soft strings at ``ALONE_GRID`` factors; of the beam the tangent.
     """
     from scipy.interpolate import PchipInterpolator
-    from scipy.optimize import brentq
 
     d = work.data
     out = np.full(len(d.value), np.nan)
@@ -82,7 +82,8 @@ def alone_by_reading(work: Calibration, fit: Fit) -> FloatArray:
         if not len(change) or np.ptp(table[known, i]) < 1e-6 * abs(d.value[i]):
             continue
         curve = PchipInterpolator(grid[known], table[known, i])
-        out[i] = float(brentq(curve, grid[change[0]], grid[change[0] + 1]))
+        low, high = grid[change[0] : change[0] + 2].tolist()
+        out[i] = bracketed_root(curve, low, high)
     return out
 
 

@@ -7,7 +7,7 @@ beam, says what hangs at the top of the string; what the rig reads of it is comp
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -92,11 +92,11 @@ class Calibration(Estimator):
     @property
     def own(self) -> FloatArray:
         """(m,) friction of the hole's sections where no parameter says otherwise."""
-        return self.soft.own
+        return self.soft.groups.own
 
     @own.setter
     def own(self, friction: FloatArray) -> None:
-        self.soft.own = friction
+        self.soft.groups = replace(self.soft.groups, own=friction)
 
     def read(self, points: tuple[MeasuredPoint, ...]) -> None:
         """Take other readings of the same points."""
@@ -147,8 +147,7 @@ class Calibration(Estimator):
         key = self.parameter(name).key
         if key is not None:
             return key.value
-        some = self.own[self.soft.group == name]
-        return float(some[-1]) if len(some) else np.nan
+        return self.soft.groups.last.get(name, np.nan)
 
     def computed(self, sets: list[dict[str, float]], forward: Forward | None = None) -> FloatArray:
         """(s, n) readings for s sets of parameters; those not in a set are the case's.
@@ -265,8 +264,8 @@ class Calibration(Estimator):
                 continue
             above = 0.0
             reached = False
-            for section, group in zip(sections, self.soft.group, strict=True):
-                reached |= bool(group == name) and deepest > above + 1.0
+            for section in sections:
+                reached |= section.group == name and deepest > above + 1.0
                 above = section.to
             if not reached:
                 out[name] = "no point has the bit in such a section"

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from drillpetsc.analysis.loads.torque_drag.batch import Columns
+from drillpetsc.analysis.loads.torque_drag.batch import Columns, Hole, SoftStrings
 from drillpetsc.analysis.loads.torque_drag.circulation import Circulation, circulation
-from drillpetsc.analysis.loads.torque_drag.operations import KINDS, groups_of, load_of, plan_of
+from drillpetsc.analysis.loads.torque_drag.operations import groups_of, load_of, plan_of
 from drillpetsc.analysis.loads.torque_drag.readings.flow_table import flow_table
 from drillpetsc.analysis.loads.torque_drag.readings.parameters import Parameter, parameter_of
-from drillpetsc.analysis.loads.torque_drag.soft_ends import SoftEnds
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows, gravity_of, need_well, rows_at
 from drillpetsc.analysis.sensitivities.keys import Key, changed_case
 from drillpetsc.arrays import FloatArray, IntArray
@@ -32,7 +31,7 @@ class SoftForward:
 
     case: with a well; points: measured; like: strings of a case that differs in its roadmap only, which are the same.
     Raises CaseError for points that the string cannot reach.
-    own: (m,) friction of the hole's sections; group: (m,) their groups; factors: names of the groups, each with one friction factor.
+    groups: friction of the hole's sections; factors: names of the groups, each with one friction factor.
     loads: (n, 4) weight on bit, its torque, axial velocity and rotation of each point.
     """
 
@@ -43,7 +42,7 @@ class SoftForward:
             self.well = need_well(case, "calibrate")
             gravity_of(case, "calibrate")
             self.rows, self.placed = self._placed_points()
-            self._strings = SoftEnds(self.well, self.rows, LONGEST_STEP)
+            self._strings = SoftStrings([Hole(self.well, [rows], LONGEST_STEP) for rows in self.rows])
         else:
             self.well, self.rows, self.placed, self._strings = (
                 like.well,
@@ -51,11 +50,8 @@ class SoftForward:
                 like.placed,
                 like._strings,
             )
-        self.group = groups_of(case)
-        self.factors = tuple(
-            dict.fromkeys([*(k for k in KINDS if (self.group == k).any()), *map(str, self.group)])
-        )
-        self.own = np.array([s.friction for s in case.given_well.sections])
+        self.groups = groups_of(case)
+        self.factors = tuple(self.groups.last)
         self.loads, self._rates = self._loads_of_points()
         self.pumped = any(flow for flow, _ in self._rates)
         #: operations of points with the pumps off
@@ -98,14 +94,6 @@ class SoftForward:
         found = self._with(changes)
         return self._made(changes) if found is None else found
 
-    def friction(self, values: Values) -> FloatArray:
-        """(m,) friction of the hole's sections."""
-        friction = self.own.copy()
-        for name in self.factors:
-            if name in values:
-                friction[self.group == name] = values[name]
-        return friction
-
     def flow_at(self, i: int) -> Circulation | None:
         """Forces of the mud at a point; None if it stands still there."""
         flow, at = self._rates[i]
@@ -137,22 +125,22 @@ class SoftForward:
     def _ends(self, sets: Sequence[Values]) -> tuple[FloatArray, FloatArray]:
         """As ``ends``, with the numbers of this case."""
         count, n = len(sets), len(self.points)
-        friction = np.array([self.friction(values) for values in sets])
+        friction = np.array([self.groups.friction(values) for values in sets])
         factor = np.array([values.get("weight_factor", 1.0) for values in sets])
         string, which = np.tile(np.arange(n), count), np.repeat(np.arange(count), n)
         wob, torque, velocity, rotation = self.loads[string].T
         columns = Columns(
             self.placed[string],
             friction[which],
-            np.ones(len(string)),
             wob,
             torque,
             velocity,
             rotation,
-            factor[which],
+            weight_factor=factor[which],
+            lift=self.lift * count if self.pumped else None,
             thrust=self.thrust[string],
         )
-        tension, moment, *_ = self._strings.ends(columns, self.lift * count if self.pumped else None)
+        tension, moment, *_ = self._strings.ends(columns)
         return tension.reshape(count, n), moment.reshape(count, n)
 
     def _placed_points(self) -> tuple[list[StringRows], IntArray]:
@@ -217,7 +205,7 @@ class SoftForward:
 
         flows: rate [m3/s] of each point, and the key that gives it.
         """
-        edges = [self._strings.edges[p] for p in self.placed]
+        edges = [self._strings.holes[p].edges for p in self.placed]
         self.lift = [np.zeros(len(q) - 1) for q in edges]
         self.thrust = np.zeros(len(flows))
         pumped = [(i, flow, at) for i, (flow, at) in enumerate(flows) if flow]

@@ -83,7 +83,7 @@ class StiffForward:
         key = self.soft.parameter(name).key
         if key is not None:
             return key.value
-        return 1.0 if name == "weight_factor" else float(self.soft.own[self.soft.group == name][-1])
+        return 1.0 if name == "weight_factor" else self.soft.groups.last[name]
 
     def model_of(self, i: int) -> DrillingModel | None:
         """The model in the latest state of a point; None at the end of a path of friction, and on the other ranks."""
@@ -129,7 +129,7 @@ class StiffForward:
         rows, load = soft.rows[soft.placed[i]], soft.loads[i]
         factor = values.get("weight_factor", 1.0)
         rows = replace(rows, weight=factor * rows.weight, end_weight=factor * rows.end_weight)
-        friction = Pair(np.nan, np.nan, soft.friction(values))
+        friction = Pair(np.nan, np.nan, soft.groups.friction(values))
         return stiff.Job(rows, friction, Load(*map(float, load)), flow=soft.flow_at(i))
 
     def _case(self, values: Values, i: int) -> Case:
