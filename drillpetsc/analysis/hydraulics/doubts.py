@@ -20,12 +20,14 @@ from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.plausible.plausible_string import short_of_hole
 from drillpetsc.doubts.doubt import CaseMoment, Doubt, remark
 from drillpetsc.doubts.moments import Flowing
+from drillpetsc.model.fluid import build_rheology
 from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
 
 Values = Iterable[dict[str, Any]]
 
 BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
+ROUNDED_OFF = 0.05  # share of the friction that rounding leaves out, above which it is reported
 SHORT = 1e-3  # distance of the string's end from the end of the hole that is reported [m]
 
 
@@ -48,20 +50,23 @@ class PumpedString(OfCase):
 class Pumped(Flowing):
     """Mud is pumped at one flow rate (hydraulics).
 
-    excess: of the friction by rheology.law: blend [-]; limited: what passes the window (``OpenHole.limited_by``).
+    excess: of the friction by rheology.law: blend [-]; missing: share of the friction that the rounding of small shear rates leaves out;
+    limited: what passes the window (``OpenHole.limited_by``).
     """
 
     flow: FlowModel
     excess: float
+    missing: float
     limited: str
 
 
 @dataclass(frozen=True)
 class Tripped(OfCase):
-    """The string moves at one speed (surge).  excess: of the friction by rheology.law: blend [-]."""
+    """The string moves at one speed (surge).  excess, missing: as of ``Pumped``."""
 
     flow: FlowModel
     excess: float
+    missing: float
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,22 @@ class BlendOverstates(Doubt):
     def look(self, at: Any) -> Values:
         if at.excess > BLEND_EXCESS:
             yield {"percent": 100 * at.excess}
+
+
+class SlowMud(Doubt):
+    """The mud moves so slowly that the rounding of small shear rates takes off some of its stress: a gel creeps in place of standing."""
+
+    about = (Pumped, Tripped)
+    sentence = (
+        "the mud moves so slowly that its friction is {percent:.0f} % too low here: stresses are rounded below fluid.rheology.shear_rate, "
+        "{rate:.3g} 1/s; {smaller:.3g} 1/s shows the gel"
+    )
+    remedy = "Set `fluid.rheology.shear_rate` (and that of `annulus_rheology`) to a hundredth."
+
+    def look(self, at: Any) -> Values:
+        if at.missing > ROUNDED_OFF:
+            rate = build_rheology(at.case, annulus=True).shear_rate_eps
+            yield {"percent": 100 * at.missing, "rate": rate, "smaller": 0.01 * rate}
 
 
 class OutsideWindow(Doubt):

@@ -158,7 +158,7 @@ def _hook_load(at: Source) -> Any:
     shift = block if inputs["hookload_excludes_block"] and total else 0.0
     shift -= block if not total and not inputs["hookload_excludes_block"] else 0.0
     _measured(axes, inputs, "hook_load", size, depth, shift)
-    if np.nanmin(table[column]) < 0:
+    if np.any(table[column] < 0):
         axes.axvline(0.0, color="0.35", linewidth=0.8)
     return _finish(drawing, axes, table, inputs, extra, depth)
 
@@ -167,7 +167,7 @@ def _torque(at: Source) -> Any:
     """Surface torque over the bit depth, of the operations that have one."""
     table, inputs = at.table(ROADMAP_TABLE), read_summary(at.folder.path / ROADMAP_FILE)
     column = "surface_torque [N m]"
-    if not np.nanmax(np.abs(table[column]), initial=0.0) > 0:
+    if not np.any(np.abs(table[column]) > 0):
         return None
     drawing, axes, size, depth = _frame(f"{at.title}: surface torque", "Surface torque", "torque", at.system)
     turning = [
