@@ -183,11 +183,11 @@ def _motor(at: PumpedString) -> dict[str, str] | None:
     return {"name": found[1].name, "more": more}
 
 
-def _rigid_below(at: PumpedString) -> dict[str, str] | None:
+def _rigid_below(at: PumpedString) -> dict[str, Any] | None:
     string = at.case.string
     last = max(i for i, item in enumerate(string) if isinstance(item, Flexible))
     names = [item.name for item in string[last + 1 :] if item.length > 0]
-    return {"names": ", ".join(names)} if names else None
+    return {"names": ", ".join(names), "md": float(at.flow.md[-1])} if names else None
 
 
 def _above_end(at: PumpedString) -> dict[str, float] | None:
@@ -236,7 +236,11 @@ remark(
     "{name}: the motor's pressure is its no-load pressure; torque on bit raises it and the pump pressure{more} (statics and runs count it)",
     _motor,
 )
-remark(PumpedString, "no friction along the rigid items below the last pipe: {names}", _rigid_below)
+remark(
+    PumpedString,
+    "no friction along the rigid items below the last pipe: {names}; the pressure under the bit is that at the lower end of the pipe, MD {md:length 6}",
+    _rigid_below,
+)
 remark(
     PumpedString,
     "mud without cuttings: their weight and volume are not in the pressures and densities of the annulus",

@@ -145,13 +145,12 @@ def _hook_load(at: Source) -> Any:
     _curves(axes, table, column, size, depth)
     lines = inputs["lines [m, N]"]
     md = np.array(lines["bit_depth"]) / depth
-    free = (np.array(lines["free_rotating_weight"]) + block) / size
+    free, air = ((np.array(lines[q]) + block) / size for q in ("free_rotating_weight", "weight_in_air"))
+    dot = "." if len(md) == 1 else None
     axes.plot(
-        free, md, color=FREE_COLOR, linewidth=0.9, linestyle=FREE, zorder=4
+        free, md, color=FREE_COLOR, linewidth=0.9, linestyle=FREE, marker=dot, zorder=4
     )  # on top of rotating off bottom
-    axes.plot(
-        (np.array(lines["weight_in_air"]) + block) / size, md, color="0.45", linewidth=0.8, linestyle=":"
-    )
+    axes.plot(air, md, color="0.45", linewidth=0.8, linestyle=":", marker=dot)
     extra = [(FREE_COLOR, FREE, "free rotating weight"), ("0.45", ":", "weight in air")]
     if inputs["max_hookload [N]"] is not None:
         extra.append(_rig_limit(axes, inputs["max_hookload [N]"] / size, "largest hook load"))
