@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.doubts.doubt import Doubt, remark
 from drillpetsc.doubts.moments import Answer, Built, Moment, Start
-from drillpetsc.physics.own_law import OwnLaw
+from drillpetsc.physics.own_law import FRICTION, OwnLaw
 
 Values = Iterable[dict[str, Any]]
 
@@ -37,6 +38,26 @@ class WrongDerivative(Doubt):
                     "found": q.found,
                     "where": q.where,
                 }
+
+
+class LoadOfAPoint(Doubt):
+    """A friction law uses the normal force of a contact point, which is the share of the point in the length of its element."""
+
+    about = (Built, Answer, Start)
+    sentence = (
+        "{law}: {function} depends on normal, the force of one contact point, which is proportional to the length of its element: "
+        "results depend on the mesh"
+    )
+    remedy = (
+        "Give `element_length` to all items, as long as the law is meant for, or use a law without `normal`."
+    )
+
+    def look(self, at: Moment) -> Values:
+        contact = at.model.case.contact
+        for law in _laws(at):
+            of_length = isinstance(contact, Contact) and contact.law != "hertz_point"
+            if law.kind is FRICTION and of_length and law.changes_with("normal"):
+                yield {"law": law.kind.key, "function": law.name}
 
 
 def _slow(at: Moment) -> dict[str, Any]:
