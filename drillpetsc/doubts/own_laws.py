@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from drillpetsc.case.blocks.contact import Contact
 from drillpetsc.doubts.doubt import Values, doubt
 from drillpetsc.doubts.moments import Answer, Built, Moment, Start
-from drillpetsc.physics.own_law import OwnLaw
+from drillpetsc.physics.own_law import FRICTION, OwnLaw
 
 
 def _laws(at: Moment) -> list[OwnLaw]:
@@ -28,6 +29,20 @@ def wrong_derivative(at: Built | Answer | Start) -> Values:
                 "found": q.found,
                 "where": q.where,
             }
+
+
+@doubt(
+    "{law}: {function} depends on normal, the force of one contact point, which is proportional to the length of its element: "
+    "results depend on the mesh",
+    "Give `element_length` to all items, as long as the law is meant for, or use a law without `normal`.",
+)
+def load_of_a_point(at: Built | Answer | Start) -> Values:
+    """A friction law uses the normal force of a contact point, which is the share of the point in the length of its element."""
+    contact = at.model.case.contact
+    for law in _laws(at):
+        of_length = isinstance(contact, Contact) and contact.law != "hertz_point"
+        if law.kind is FRICTION and of_length and law.changes_with("normal"):
+            yield {"law": law.kind.key, "function": law.name}
 
 
 @doubt(

@@ -13,6 +13,9 @@ from drillpetsc.arrays import FloatArray
 _DATE = re.compile(r"(\d{1,2})[/.](\d{1,2})[/.](\d{4})(?:[T\s,]+(\d.*))?$")
 _CLOCK = re.compile(r"(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d+)?))?\s*([AP]M)?$", re.IGNORECASE)
 
+AMBIGUOUS = "a date whose day and month can be told apart, such as 2020-12-31: no row has a number above 12"
+NO_TIME = "a date and time such as 2020-12-31T13:00:15; --map date=TITLE names a separate column of the date"
+
 
 class ClockError(ValueError):
     """A time that cannot be read.  row: its number from 0; want: what is allowed."""
@@ -25,15 +28,17 @@ class ClockError(ValueError):
 def clock_times(texts: Sequence[str]) -> tuple[FloatArray, datetime]:
     """(seconds since the first row (n,), time of the first row).
 
-    Accepts ISO 8601 and 31/12/2020 13:00 or 12/31/2020 1:00 PM. Whether the day or the month comes first must follow from the
-    column: some first or second number above 12. Raises ClockError.
+    Accepts ISO 8601, 31.12.2020 13:00, and 31/12/2020 13:00 or 12/31/2020 1:00 PM. With slashes, whether the day or the month comes
+    first must follow from the column: some first or second number above 12. With dots the day is first. Raises ClockError.
     """
     order = ""
     for text in texts:
         match = _DATE.match(text)
         if match:
             first, second = int(match.group(1)), int(match.group(2))
-            found = "day" if first > 12 >= second else "month" if second > 12 >= first else ""
+            dotted = text[match.end(1)] == "."
+            found = "day" if (dotted or first > 12) and second <= 12 else ""
+            found = found or ("month" if second > 12 >= first and not dotted else "")
             if found and order and found != order:
                 raise ClockError(texts.index(text), f"the {order} first, as in other rows")
             order = found or order
@@ -54,7 +59,7 @@ def _time(text: str, order: str, row: int) -> datetime:
         if not match:
             return datetime.fromisoformat(text)
         if not order:
-            raise ClockError(row, "a date whose day and month can be told apart, such as 2020-12-31")
+            raise ClockError(row, AMBIGUOUS)
         a, b, year = (int(match.group(k)) for k in (1, 2, 3))
         clock = _CLOCK.match(match.group(4) or "0:00")
         if not clock:
@@ -69,4 +74,4 @@ def _time(text: str, order: str, row: int) -> datetime:
     except ClockError:
         raise
     except ValueError:
-        raise ClockError(row, "a date and time such as 2020-12-31T13:00:15") from None
+        raise ClockError(row, NO_TIME) from None

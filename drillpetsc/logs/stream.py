@@ -120,7 +120,7 @@ class LogStream:
         if "bit_depth" not in columns or not set(columns) & set(READINGS):
             want = "columns of the bit depth and of a reading; --map bit_depth=TITLE:UNIT names one"
             raise CaseError(got=", ".join(self._sheet.titles)[:200], want=want, **self._sheet.place)
-        self.titles = {name: self._sheet.titles[j] for name, (j, _) in columns.items()}
+        self.titles = {name: self._sheet.titles[j] for name, (j, _) in columns.items() if name != "date"}
         self._remarks = (*choice.remarks, *choice.warnings)
 
     # ------------------------------------------------------------------ rows

@@ -153,7 +153,12 @@ class OwnLaw:
             raise CaseError(at=f"{kind.key}.function", got=name, want=want)
         self.one_by_one = False
         sample = {name: given[name].sample for name in self.states} | dict(samples or {})
-        self._try_out(np.array([sample[name] for name in self.states], dtype=float).T)
+        self._samples = np.array([sample[name] for name in self.states], dtype=float).T
+        self._try_out(self._samples)
+
+    def changes_with(self, name: str) -> bool:
+        """Whether a result has a derivative by a field of the state at a usual state."""
+        return bool(np.any(self.evaluate(self._samples, True)[..., 1 + self.states.index(name)]))
 
     def _open(self, law: CompiledLaw) -> None:
         """Find the entry point of a law in C++, and fill its parameters.  Raises CaseError."""

@@ -31,7 +31,10 @@ from drillpetsc.unit_systems import SYSTEMS, System
 
 Format = Literal["csv", "xlsx", "las", "parquet"]
 FORMATS: tuple[Format, ...] = get_args(Format)
-INDICES = ("time", "md", "bit_depth", "pump_flow", "mode")  # columns that every exported table keeps
+INDICES = (
+    "time", "md", "bit_depth", "pump_flow", "mode", "operation", "pipe", "ff_cased", "ff_open_hole", "ff_groups",
+    "trip_speed", "rotary_speed", "place", "output", "key", "method", "quantile",
+)  # columns that say what a row is of: every exported table keeps them  # fmt: skip
 LAS_INDICES = {"time": "TIME", "md": "DEPT"}
 NULL = -999.25  # usual mark of a missing value in LAS files
 MOST_ROWS = 1_048_575  # of a sheet of xlsx below its headings
@@ -56,7 +59,7 @@ def export(
     out: folder of the files; by default `export` in the run folder. Older files of the same names are replaced
     units: field, metric, metric_t or SI; by default the case's, else metric
     format: csv, xlsx, las or parquet
-    columns: names of columns, such as hook_load; by default all. Time and depth are always included
+    columns: names of columns, such as hook_load; by default all. Columns that say what a row is of, such as time, depth and operation, are always included
     Raises CaseError for a folder without tables, for columns that no table has, and if a package is missing.
     """
     for value, allowed, at in ((format, FORMATS, "--format"), (units, (None, *SYSTEMS), "--units")):
@@ -119,7 +122,7 @@ def _tables(folder: Path) -> dict[str, Table]:
 
 
 def _chosen(tables: dict[str, Table], columns: Sequence[str]) -> dict[str, Table]:
-    """The tables that have one of the columns, with these columns and the columns of time and depth."""
+    """The tables that have one of the columns, with these columns and those that say what a row is of."""
     if not columns:
         return tables
     names = {split_name(title)[0] for table in tables.values() for title in table}

@@ -89,6 +89,19 @@ def test_rows_below_the_hole_of_the_case_have_no_weight(tmp_path):
         drillpetsc.import_log(tmp_path / "rig.csv", case=drillpetsc.Case(**case), out=tmp_path / "other")
 
 
+@pytest.mark.parametrize(
+    "head, moment", [("time", "2026-01-01T06:00:{:02d}"), ("Date,Time", "2026-01-01,06:00:{:02d}")]
+)
+def test_a_log_with_clock_times(tmp_path, head, moment):
+    """The table and the page of a log by time, whose clock times are words."""
+    rows = [head + ",bit_md_m,hookload_kN,rpm"]
+    rows += [moment.format(i) + f",{1000 - 0.3 * i:.1f},600,0" for i in range(40)]
+    (tmp_path / "rig.csv").write_text("\n".join(rows))
+    found = drillpetsc.import_log(tmp_path / "rig.csv", out=tmp_path / "out")
+    assert found.states.count() == {"trip_out": 38, "unknown": 2}
+    assert read_table(tmp_path / "out" / "log.csv")["clock [-]"][-1] == "2026-01-01T06:00:39+00:00"
+
+
 def test_import_log_in_python(log, tmp_path):
     """The function writes what the command writes, and returns log, states, points and checks."""
     found = drillpetsc.import_log(log, out=tmp_path / "out", every="5m")

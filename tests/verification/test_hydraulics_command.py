@@ -13,7 +13,7 @@ import pytest
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.analysis.hydraulics.hydraulics import Hydraulics, run_hydraulics
+from drillpetsc.analysis.hydraulics.hydraulics import SPP, Hydraulics, flow_at_pressure, run_hydraulics
 from drillpetsc.analysis.hydraulics.losses import balance
 from drillpetsc.analysis.hydraulics.trade_formulas import FOOT, FOOT_PER_MINUTE, GPM, INCH, PPG, PSI
 from drillpetsc.case import Case, load_case
@@ -293,7 +293,7 @@ def test_cases_without_a_flow_are_refused(name, tmp_path: Path):
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("pressure", "words"), [(1e3, "starts the flow"), (1e12, "at most 1 m3/s")])
+@pytest.mark.parametrize(("pressure", "words"), [(1e3, "starts the flow"), (1e12, "at most 60000 l/min")])
 def test_pump_pressures_out_of_reach_are_refused(pressure, words, tmp_path: Path):
     c = case(
         [pipe(1000, 5, 4.276)],
@@ -302,6 +302,24 @@ def test_pump_pressures_out_of_reach_are_refused(pressure, words, tmp_path: Path
     )
     with pytest.raises(CaseError, match=words):
         run_hydraulics(Job(c, tmp_path / "out"), pump_pressure=pressure)
+
+
+def test_the_pressure_that_starts_a_gel_holds_its_yield_stress():
+    """Refused below 4 tau L/d of bore and annulus: the rounding of small shear rates made a gel flow at a tenth of it."""
+    mud = {
+        "density": 1200.0,
+        "rheology": {"model": "bingham", "yield_stress": 20.0, "plastic_viscosity": 0.03},
+    }
+    slow = case([pipe(3000, 5, 4)], well(("open_hole", 3000, 8.5)), {**mud, "flow_rate": 1e-3})
+    length = 3000 * FOOT
+    start = 4 * 20.0 * length * (1 / (4 * INCH) + 1 / (3.5 * INCH))
+    flow = Hydraulics(slow).flow
+    with pytest.raises(CaseError, match="starts the flow"):
+        flow_at_pressure(flow, 0.98 * start, SPP)
+    assert 0 < flow_at_pressure(flow, 1.1 * start, SPP) < 2e-3
+    (said,) = [w for w in Hydraulics(slow).at(1e-4).warnings if "% too low here" in w]
+    assert "0.01 1/s shows the gel" in said
+    assert not [w for w in Hydraulics(slow).at(1e-2).warnings if "too low" in w]
 
 
 def test_strings_at_a_depth():

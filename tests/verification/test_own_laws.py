@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drillpetsc import hydraulics, load_case, run
+from drillpetsc import Case, hydraulics, load_case, run, statics
 from drillpetsc.output import read_table
 from tests.helpers import laws
 from tests.helpers.bit_models import DRAG, rock_bit
+from tests.helpers.wells import simple_well
 
 STUDY = Path(__file__).parents[2] / "cases" / "verification" / "study-stick-slip.yaml"
 SLIDING = """
@@ -99,6 +100,23 @@ initial: {from: statics}
 time: {end: 0.3}
 output: {history_every: 0.05}
 """
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_friction_by_the_force_of_a_contact_point_is_said_to_depend_on_the_mesh(loaded, tmp_path):
+    """A law that uses `normal`, and one that does not."""
+
+    def friction(state):
+        return 0.3 / (1 + state.normal / 2e3) if loaded else 0.3 + 0 * state.normal
+
+    case = Case(
+        string=[{"kind": "pipe", "length": 100.0, "od": 0.127, "id": 0.1086, "element_length": 10.0}],
+        well=simple_well(100.0, 0.2159, inclination=1.0),
+        top={"kind": "top_drive", "rotation": 0, "lowering": -0.1},
+        contact={"friction_law": {"kind": "python", "function": friction}},
+    )
+    said = statics(case, tmp_path / "out").summary["warnings"]
+    assert any("results depend on the mesh" in q for q in said) == loaded
 
 
 def test_a_rheology_of_the_user_repeats_a_power_law(tmp_path):

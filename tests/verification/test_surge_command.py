@@ -288,6 +288,28 @@ def test_the_explicit_law_of_a_yield_stress_says_by_how_much_it_is_too_high():
     assert f"by {100 * (ratio - 1):.0f} %" in note and not found["exact"].warnings
 
 
+def test_a_trip_through_a_gel_says_what_the_rounding_leaves_out():
+    """Slow trip of a closed pipe: at least the yield stress acts on a wall of 4 tau/gap per length; the share of it that is missing is said.
+
+    With a hundredth of the rounding the surge is right and nothing is said.
+    """
+    yield_stress, length, gap = 20.0, 1000.0, 0.4445 - 0.127
+    found = []
+    for rate in (1.0, 0.01):
+        mud = {
+            "model": "bingham",
+            "yield_stress": yield_stress,
+            "plastic_viscosity": 0.03,
+            "shear_rate": rate,
+        }
+        case = vertical(length, 0.127, 0.1, 0.4445, {"density": 1200, "rheology": mud})
+        found.append(Tripping(case, whole_string(case), "closed").at("trip_in", 0.01))
+    rounded, sharp = (row.surge_pressure for row in found)
+    assert 1 < sharp / (4 * yield_stress * length / gap) < 1.1
+    (note,) = found[0].warnings
+    assert f"friction is {100 * (1 - rounded / sharp):.0f} % too low" in note and not found[1].warnings
+
+
 def test_open_pipe_is_full_to_the_flow_line_wherever_its_top_is():
     """A string lowered 50 m below the rig has the surge of one that begins at the rig, 50 m longer hole or not."""
     mud = {"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.05}}

@@ -76,6 +76,17 @@ def test_steps_without_an_estimate_are_not_called_accurate():
     ]
 
 
+def test_an_output_that_jumps_is_not_called_accurate():
+    """A force of dry friction beside a slow parabola: the report gives the error of the position and names the force."""
+    estimate = TimeError(2, ["x", "force"], ["m", "N"], [1, 1])
+    for k in range(40):
+        estimate.step(0.1 * k, 0.1, np.array([0.01 * k**2, float((-1) ** (k // 3))]), k == 0)
+    columns = estimate.summary()["columns"]
+    assert columns["force [N]"]["share"] is None and columns["x [m]"]["share"] < 0.01
+    (line,) = time_error_lines(estimate.summary())
+    assert "each other main output; no estimate of force, which jumps between steps" in line
+
+
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.8, 0.5, 0.0])
 def test_estimate_of_an_undamped_vibration_with_generalised_alpha(radius):
     """The formula's own solution of x'' = -w^2 x, started exactly, at even steps: the largest error of x, to 15 %."""

@@ -13,12 +13,13 @@ from drillpetsc.unit_systems import System
 class Imported:
     """A log of a rig has been divided into states and points (import log).
 
-    states: state -> rows; points: number; block: the hook load in slips is known.
+    states: state -> rows; points: number; block: the hook load in slips is known; by_time: the index is time, else depth.
     """
 
     states: Mapping[str, int]
     points: int
     block: bool
+    by_time: bool
     units: System = "SI"
 
 
@@ -35,6 +36,8 @@ def no_points(at: Imported) -> Values:
     some = [word for word in (*moving, "drilling", "slide", "rotate_off") if word in at.states]
     if not some:
         why = "no row trips, drills or rotates off bottom"
+        if not at.by_time:
+            why += " (it is read by depth: if it has clock times, --map time=TITLE names their column, date=TITLE that of the date)"
     elif some == moving and not at.block:
         why = "trips need the hook load in slips, which is not known"
     else:

@@ -219,7 +219,7 @@ def _log_table(log: Log, states: States) -> tuple[list[tuple[str, str]], list[An
         columns.append((name, CHANNELS[name].unit.replace("^", "") or "-"))
         cells.append(values)
     if log.start is not None:
-        columns.append(("clock", "UTC"))
+        columns.append(("clock", "-"))  # ISO 8601, which names the zone
         cells.append([(log.start + timedelta(seconds=t)).isoformat() for t in log.values["time"].tolist()])
     return [*columns, ("state", "-")], [*cells, states.word]
 
@@ -273,7 +273,7 @@ def _summary(found: Divided) -> dict[str, Any]:
 def _doubts(found: Divided) -> list[str]:
     """What is doubtful about a log as a whole."""
     states = found.states
-    return doubts_at(Imported(states.count(), len(found.points), states.block is not None))
+    return doubts_at(Imported(states.count(), len(found.points), states.block is not None, found.log.by_time))
 
 
 def _lines(folder: Path, found: Divided, case: Case | None) -> list[str]:

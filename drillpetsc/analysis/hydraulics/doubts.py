@@ -18,10 +18,12 @@ from drillpetsc.case.blocks.items.string import Flexible
 from drillpetsc.case.plausible.plausible_string import short_of_hole
 from drillpetsc.doubts.doubt import CaseMoment, Values, doubt, remark
 from drillpetsc.doubts.moments import Flowing
+from drillpetsc.model.fluid import build_rheology
 from drillpetsc.model.tools.mud_motor import motor_item
 from drillpetsc.output.watches.boiling import VAPOUR_PRESSURE
 
 BLEND_EXCESS = 0.05  # excess of the law blend over the exact one above which it is reported [-]
+ROUNDED_OFF = 0.05  # share of the friction that rounding leaves out, above which it is reported
 SHORT = 1e-3  # distance of the string's end from the end of the hole that is reported [m]
 
 
@@ -44,20 +46,23 @@ class PumpedString(OfCase):
 class Pumped(Flowing):
     """Mud is pumped at one flow rate (hydraulics).
 
-    excess: of the friction by rheology.law: blend [-]; limited: what passes the window (``OpenHole.limited_by``).
+    excess: of the friction by rheology.law: blend [-]; missing: share of the friction that the rounding of small shear rates leaves out;
+    limited: what passes the window (``OpenHole.limited_by``).
     """
 
     flow: FlowModel
     excess: float
+    missing: float
     limited: str
 
 
 @dataclass(frozen=True)
 class Tripped(OfCase):
-    """The string moves at one speed (surge).  excess: of the friction by rheology.law: blend [-]."""
+    """The string moves at one speed (surge).  excess, missing: as of ``Pumped``."""
 
     flow: FlowModel
     excess: float
+    missing: float
 
 
 @dataclass(frozen=True)
@@ -97,6 +102,19 @@ def below_vacuum(at: Pumped | Tripped) -> Values:
 def blend_overstates(at: Pumped | Tripped) -> Values:
     """The blended law of friction is too high for a slow flow of mud with a yield stress."""
     return at.excess > BLEND_EXCESS and {"percent": 100 * at.excess}
+
+
+@doubt(
+    "the mud moves so slowly that its friction is {percent:.0f} % too low here: stresses are rounded below fluid.rheology.shear_rate, "
+    "{rate:.3g} 1/s; {smaller:.3g} 1/s shows the gel",
+    "Set `fluid.rheology.shear_rate` (and that of `annulus_rheology`) to a hundredth.",
+)
+def slow_mud(at: Pumped | Tripped) -> Values:
+    """The mud moves so slowly that the rounding of small shear rates takes off some of its stress: a gel creeps in place of standing."""
+    if at.missing <= ROUNDED_OFF:
+        return None
+    rate = build_rheology(at.case, annulus=True).shear_rate_eps
+    return {"percent": 100 * at.missing, "rate": rate, "smaller": 0.01 * rate}
 
 
 @doubt(
@@ -183,12 +201,15 @@ def motor(at: PumpedString) -> Values:
     return {"name": found[1].name, "more": more}
 
 
-@doubt("no friction along the rigid items below the last pipe: {names}")
+@doubt(
+    "no friction along the rigid items below the last pipe: {names}; the pressure under the bit is that at the lower end of the pipe, "
+    "MD {md:length 6}"
+)
 def rigid_below(at: PumpedString) -> Values:
     string = at.case.string
     last = max(i for i, item in enumerate(string) if isinstance(item, Flexible))
     names = [item.name for item in string[last + 1 :] if item.length > 0]
-    return {"names": ", ".join(names)} if names else None
+    return {"names": ", ".join(names), "md": float(at.flow.md[-1])} if names else None
 
 
 remark(

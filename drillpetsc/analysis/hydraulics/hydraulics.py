@@ -24,6 +24,7 @@ from drillpetsc.analysis.hydraulics.losses import (
     blend_excess,
     largest_loss,
     loss_rows,
+    rounded_off,
 )
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow, nozzle_rows
 from drillpetsc.analysis.hydraulics.open_hole import (
@@ -124,22 +125,29 @@ def flow_at_pressure(flow: FlowModel, pressure: float, at: str) -> float:
     """Find the flow rate [m3/s] at which the pump, or the string's upper end, has a pressure [Pa].
 
     at: option or key of the pressure: `--spp` is that of the pump, before the surface line.
-    Raises CaseError if the pressure is below that of the still mud, or beyond the largest flow.
+    Raises CaseError if the pressure does not start the flow, which a yield stress resists, or is beyond the largest flow.
     """
+    units = flow.case.shown_units
 
     def excess(rate: float) -> float:
         flow.solve(rate)
         sums = balance(flow)
         return sums["pump_pressure"] - (0.0 if at == SPP else sums["surface_line_loss"]) - pressure
 
-    if excess(SMALLEST_FLOW) >= 0:
-        still = pressure + excess(SMALLEST_FLOW)
-        raise CaseError(at=at, got=f"{pressure:g} Pa", want=f"above {still:.6g} Pa, which starts the flow")
+    start = pressure + excess(SMALLEST_FLOW) + rounded_off(flow)[0]
+    if pressure <= start:
+        raise CaseError(
+            at=at,
+            got=said(pressure, "pressure", units),
+            want=f"above {said(start, 'pressure', units)}, which starts the flow",
+        )
     high = 0.02
     while excess(high) < 0:
         if high >= LARGEST_FLOW:
             raise CaseError(
-                at=at, got=f"{pressure:g} Pa", want=f"a pressure that gives at most {LARGEST_FLOW:g} m3/s"
+                at=at,
+                got=said(pressure, "pressure", units),
+                want=f"a pressure that gives at most {said(LARGEST_FLOW, 'flow', units)}",
             )
         high = min(2 * high, LARGEST_FLOW)
     return bracketed_root(excess, SMALLEST_FLOW, high, 1e-10, 1e-10)
@@ -185,7 +193,9 @@ class Hydraulics:
             flow_figures(flow, rate, rows, self.shoe, self.end, self.window),
         )
         place = largest_loss(rows, self.units)
-        warnings = doubts_at(Pumped(case, summary, self.units, place, flow, blend_excess(flow), limited))
+        warnings = doubts_at(
+            Pumped(case, summary, self.units, place, flow, blend_excess(flow), rounded_off(flow)[1], limited)
+        )
         if (
             case.fluid is None
             or case.fluid.pump_pressure is not None

@@ -5,6 +5,7 @@ Losses of elements are the solver's: power that friction turns into heat, over t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,6 +25,7 @@ from drillpetsc.physics.tools.mud_motor import RESULTS as MOTOR_RESULTS
 from drillpetsc.physics.tools.mud_motor import MudMotor
 from drillpetsc.unit_systems import System, shown
 
+SHARP = 1e-3  # share of the rounding of small shear rates that leaves nothing out
 TINY_DENSITY = 1e-300  # at which the wall shear is that of laminar flow [kg/m3]
 TURBULENT_SPAN = 800.0  # Reynolds numbers from the end of laminar to the start of turbulent flow (API RP 13D)
 
@@ -391,7 +393,23 @@ def balance(flow: FlowModel) -> dict[str, float]:
     return out
 
 
-# ---------------------------------------------------------------------- the explicit law
+# ---------------------------------------------------------------------- what the law of friction leaves out
+
+
+def wall_friction(flow: FlowModel, channel: ChannelFlow, law: Rheology, speed: float = 0.0) -> float:
+    """Compute the friction of a channel by a law [Pa], at the present flow, whichever law it was found with.
+
+    speed: of the string [m/s], down positive.
+    """
+    results = channel.element_results(flow.system.assembly)
+    w, density = (results[:, RESULT_NAMES.index(name)] for name in ("speed", "density"))
+    if channel.name == "bore":
+        gap = _cross_sections(channel)[1]
+        stress = wall_shear(law, w, gap, False, density)
+    else:
+        gap = channel.parameter("gap")
+        stress = annulus_stress(channel, law, w, density, speed * (1.0 - flow.fluid.constants.clinging))[0]
+    return float(np.abs(4 * stress / gap * flow.mesh.length).sum())
 
 
 def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
@@ -405,11 +423,22 @@ def blend_excess(flow: FlowModel, speed: float = 0.0) -> float:
     law, annulus = build_rheology(flow.case, annulus=True), flow.fluid.annulus
     if annulus is None or law.law != "blend" or law.yield_stress == 0.0 or law.model == "casson":
         return 0.0
-    results = annulus.element_results(flow.system.assembly)
-    w, density = (results[:, RESULT_NAMES.index(name)] for name in ("speed", "density"))
-    drift, gap = speed * (1.0 - flow.fluid.constants.clinging), annulus.parameter("gap")
-    sums = [
-        float(np.abs(annulus_stress(annulus, q, w, density, drift)[0] / gap * flow.mesh.length).sum())
-        for q in (law, replace(law, law="exact"))
-    ]
-    return sums[0] / sums[1] - 1.0 if sums[1] > 0 else 0.0
+    blend, exact = (wall_friction(flow, annulus, q, speed) for q in (law, replace(law, law="exact")))
+    return blend / exact - 1.0 if exact > 0 else 0.0
+
+
+def rounded_off(
+    flow: FlowModel, speed: float = 0.0, channels: Sequence[str] = ("bore", "annulus")
+) -> tuple[float, float]:
+    """(friction of some channels that the rounding of small shear rates leaves out [Pa], its share [-]), at the present flow.
+
+    A gel that hardly moves has its yield stress; rounded over ``rheology.shear_rate`` it creeps under any pressure (manual: sec-mud-exact).
+
+    speed: of the string [m/s], down positive.
+    """
+    rounded = sharp = 0.0
+    for channel in filter(None, map(flow.channel, channels)):
+        law = build_rheology(flow.case, annulus=channel.name == "annulus")
+        rounded += wall_friction(flow, channel, law, speed)
+        sharp += wall_friction(flow, channel, replace(law, shear_rate_eps=SHARP * law.shear_rate_eps), speed)
+    return sharp - rounded, 1.0 - rounded / sharp if sharp > 0 else 0.0

@@ -24,7 +24,7 @@ from drillpetsc.analysis.hydraulics.flow_model import (
     whole_string,
 )
 from drillpetsc.analysis.hydraulics.hydraulics import default_flow, densities, window_table
-from drillpetsc.analysis.hydraulics.losses import blend_excess
+from drillpetsc.analysis.hydraulics.losses import blend_excess, rounded_off
 from drillpetsc.analysis.hydraulics.nozzles import bit_flow
 from drillpetsc.analysis.hydraulics.open_hole import (
     NOT_CHECKED,
@@ -132,7 +132,16 @@ class Tripping:
         return replace(
             self.row(operation, speed),
             limited_by=limited_by,
-            warnings=tuple(doubts_at(Tripped(self.case, flow, blend_excess(flow, velocity)))),
+            warnings=tuple(
+                doubts_at(
+                    Tripped(
+                        self.case,
+                        flow,
+                        blend_excess(flow, velocity),
+                        rounded_off(flow, velocity, ["annulus"])[1],
+                    )
+                )
+            ),
             bit_pressure=flow.bottom_pressure(),
             surge_pressure=flow.bottom_pressure() - self.at_rest,
             bit_flow=bit_flow(flow),

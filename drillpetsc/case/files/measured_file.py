@@ -11,7 +11,7 @@ from typing import Any
 
 from drillpetsc.case.files.named_file import SHEETS, cells_of, is_comment, lines_of, named_file, text_of
 from drillpetsc.case.importers.stations import MISSING, number_of, together
-from drillpetsc.case.importers.table import unit_text
+from drillpetsc.case.importers.table import comma_in_numbers, unit_text
 from drillpetsc.case.key_paths import refuse
 from drillpetsc.case.quantities import BARE_NUMBERS, InSI
 from drillpetsc.errors import CaseError
@@ -82,29 +82,29 @@ def read_measured(name: str) -> tuple[list[Reading], list[str]]:
     path, sheet = named_file(name, "a file of measured points that exists: CSV, xlsx or LAS")
     remarks: list[str] = []
     try:
-        kind = path.suffix.casefold()
+        kind, mark = path.suffix.casefold(), ","
         if kind in SHEETS:
             rows = _sheet_rows(path, sheet)
         elif kind == ".las":
             rows = _las_rows(path)
         else:
-            rows = _text_rows(path)
+            rows, mark = _text_rows(path)
     except OSError as error:
         raise refuse(got=name, want="a file of measured points that can be read", hint=str(error)) from None
-    return _points(path, rows, remarks), remarks
+    return _points(path, rows, mark, remarks), remarks
 
 
 # ---------------------------------------------------------------------- rows of texts
 Rows = list[tuple[int, list[str]]]
 
 
-def _text_rows(path: Path) -> Rows:
-    """(line number, cells) of a text table, without comments and empty lines."""
+def _text_rows(path: Path) -> tuple[Rows, str]:
+    """((line number, cells) of a text table, without comments and empty lines; what separates the cells)."""
     text, _ = text_of(path, MAX_BYTES)
     lines = [(i, q) for i, q in enumerate(lines_of(text), 1) if q.strip() and not is_comment(q)]
     head = next((line for _, line in lines[:TITLE_LINES] if _named(re.split(r"[,;\t]", line))), "")
     mark = next((m for m in ("\t", ";", ",") if m in head), ",")
-    return [(i, cells_of(line, mark, path, i)) for i, line in lines]
+    return [(i, cells_of(line, mark, path, i)) for i, line in lines], mark
 
 
 def _sheet_rows(path: Path, sheet: str) -> Rows:
@@ -145,7 +145,7 @@ def _named(heads: Sequence[str]) -> dict[str, tuple[int, str]] | None:
     return None
 
 
-def _points(path: Path, rows: Rows, remarks: list[str]) -> list[Reading]:
+def _points(path: Path, rows: Rows, mark: str, remarks: list[str]) -> list[Reading]:
     at = next((i for i, (_, heads) in enumerate(rows[:TITLE_LINES]) if _named(heads)), None)
     if at is None:
         line = rows[0][0] if rows else 1
@@ -167,11 +167,13 @@ def _points(path: Path, rows: Rows, remarks: list[str]) -> list[Reading]:
     if below is not None:
         columns, data = below, data[1:]
     units = _units(path, head_line, heads, columns, remarks)
+    numbers = [i for column, (i, _) in columns.items() if column != "operation"]
+    comma = comma_in_numbers(path, data, numbers, mark) or "thousands"
     readings: list[Reading] = []
     errors: list[CaseError] = []
     for line, cells in data:
         try:
-            readings.append(_reading(path, line, cells, columns, units))
+            readings.append(_reading(path, line, cells, comma, columns, units))
         except CaseError as error:
             errors.append(error)
             if len(errors) >= MOST_ERRORS:
@@ -232,8 +234,9 @@ def _units(
 
 
 def _reading(
-    path: Path, line: int, cells: Sequence[str], columns: dict[str, tuple[int, str]], units: dict[str, str]
-) -> Reading:
+    path: Path, line: int, cells: Sequence[str], comma: str,
+    columns: dict[str, tuple[int, str]], units: dict[str, str],
+) -> Reading:  # fmt: skip
     values: dict[str, Any] = {}
     for column, (i, _) in columns.items():
         text = cells[i].strip() if i < len(cells) else ""
@@ -244,7 +247,7 @@ def _reading(
                 raise CaseError(at="operation", got=text or "an empty cell", want=want, file=path, line=line)
             values["operation"] = word
             continue
-        number = number_of(text, "thousands") if text else None
+        number = number_of(text, comma) if text else None
         if not text or number in MISSING:
             if column == "bit_depth":
                 raise CaseError(

@@ -265,7 +265,7 @@ def _from_the_top(
         return
     if inclination >= STEEPEST_START:
         what = f"survey starts at {said(md, 'length')} with {math.degrees(inclination):.3g} deg"
-        want = "a first station at 0 m (the rotary table), or the tie-in station"
+        want = "a first station at 0 m (the rotary table), of the file or as tie_in: the hole above must be known"
         hint = "survey: {file: ..., tie_in: {md: 0 m, inclination: 0 deg, azimuth: 0 deg}}"
         raise CaseError(at="md", got=what, want=want, hint=hint, file=table.file, line=table.line(numbers[0]))
     remarks.append(

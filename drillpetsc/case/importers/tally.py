@@ -12,7 +12,7 @@ from drillpetsc.case.importers.stations import number_of, together
 from drillpetsc.case.importers.table import _cells, _is_comment, _lines, comma_in_numbers, unit_text
 from drillpetsc.case.importers.witsml import Imported
 from drillpetsc.errors import CaseError
-from drillpetsc.units import UnitError, to_si
+from drillpetsc.units import UnitError, bare_number, to_si
 
 HEADER_LINES = 40
 #: column -> names in small letters without blanks and marks, first the best
@@ -216,9 +216,17 @@ def _component(sheet: _Sheet, number: int, cells: Sequence[str]) -> Component:
         if not text:
             continue
         value = number_of(text, sheet.comma)
+        if value is None and "/" in text:  # 8 1/2
+            value = bare_number(text.strip("\"' "))
         at = "id" if quantity == "bore" else quantity
         if value is None or value < 0:
-            raise CaseError(at=at, got=text, want="a number, 0 or above", file=sheet.file, line=number)
+            raise CaseError(
+                at=at,
+                got=text,
+                want="a number, 0 or above, such as 8.5 or 8 1/2",
+                file=sheet.file,
+                line=number,
+            )
         values[quantity] = to_si(f"{value!r} {sheet.columns[quantity][1]}", si) or None
     name = _cell(sheet, cells, "name")
     if not name:

@@ -215,14 +215,22 @@ def time_error_lines(estimate: Mapping[str, Any], checked: bool = False) -> list
     without = estimate["steps_without"]
     if not estimate["steps"] and estimate["columns"]:
         return [f"  time error: no estimate, {without} steps are too few for one{hint}"]
-    shares = [c["share"] for c in estimate["columns"].values() if c["share"] is not None]
-    if not shares:
-        return []
+    jumping = [
+        title.partition(" [")[0]
+        for title, c in estimate["columns"].items()
+        if c["share"] is None and c["range"] > SMALL_RANGE * c["size"]
+    ]
+    none_of = f"no estimate of {', '.join(jumping)}, which jumps between steps"
+    if all(c["share"] is None for c in estimate["columns"].values()):
+        return [f"  time error: {none_of}{hint}"] if jumping else []
+    if jumping:
+        hint = f"; {none_of}{hint}"
     left_out = f", {without} steps without an estimate left out" if without > estimate["steps"] else ""
     doubtful = doubtful_outputs(estimate)
     if not doubtful:
         return [
-            f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each main output{left_out}"
+            f"  time error, estimated: at most {100 * REPORTED:g} % of the range of each {'other ' if jumping else ''}main output"
+            f"{left_out}{hint if jumping else ''}"
         ]
     pace = {title.partition(" [")[0]: c["pace"] for title, c in estimate["columns"].items()}
     named = ", ".join(

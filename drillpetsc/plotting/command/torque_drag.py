@@ -145,20 +145,19 @@ def _hook_load(at: Source) -> Any:
     _curves(axes, table, column, size, depth)
     lines = inputs["lines [m, N]"]
     md = np.array(lines["bit_depth"]) / depth
-    free = (np.array(lines["free_rotating_weight"]) + block) / size
+    free, air = ((np.array(lines[q]) + block) / size for q in ("free_rotating_weight", "weight_in_air"))
+    dot = "." if len(md) == 1 else None
     axes.plot(
-        free, md, color=FREE_COLOR, linewidth=0.9, linestyle=FREE, zorder=4
+        free, md, color=FREE_COLOR, linewidth=0.9, linestyle=FREE, marker=dot, zorder=4
     )  # on top of rotating off bottom
-    axes.plot(
-        (np.array(lines["weight_in_air"]) + block) / size, md, color="0.45", linewidth=0.8, linestyle=":"
-    )
+    axes.plot(air, md, color="0.45", linewidth=0.8, linestyle=":", marker=dot)
     extra = [(FREE_COLOR, FREE, "free rotating weight"), ("0.45", ":", "weight in air")]
     if inputs["max_hookload [N]"] is not None:
         extra.append(_rig_limit(axes, inputs["max_hookload [N]"] / size, "largest hook load"))
     shift = block if inputs["hookload_excludes_block"] and total else 0.0
     shift -= block if not total and not inputs["hookload_excludes_block"] else 0.0
     _measured(axes, inputs, "hook_load", size, depth, shift)
-    if np.nanmin(table[column]) < 0:
+    if np.any(table[column] < 0):
         axes.axvline(0.0, color="0.35", linewidth=0.8)
     return _finish(drawing, axes, table, inputs, extra, depth)
 
@@ -167,7 +166,7 @@ def _torque(at: Source) -> Any:
     """Surface torque over the bit depth, of the operations that have one."""
     table, inputs = at.table(ROADMAP_TABLE), read_summary(at.folder.path / ROADMAP_FILE)
     column = "surface_torque [N m]"
-    if not np.nanmax(np.abs(table[column]), initial=0.0) > 0:
+    if not np.any(np.abs(table[column]) > 0):
         return None
     drawing, axes, size, depth = _frame(f"{at.title}: surface torque", "Surface torque", "torque", at.system)
     turning = [

@@ -55,7 +55,8 @@ def plot(
     pictures = drawn(run, out, units)
     if not pictures:
         raise FileNotFoundError(
-            f"{run} holds no table with rows, and no members of a sweep that drilled new hole: nothing to plot"
+            f"{run} holds no table with rows that make a curve (an `uncertain` of one bit depth has none), and no members of a sweep "
+            "that drilled new hole: nothing to plot"
         )
     return pictures
 

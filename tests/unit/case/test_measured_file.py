@@ -37,6 +37,16 @@ def test_unit_line_and_semicolons(tmp_path):
     assert found[0].torque == pytest.approx(12.5e3) and found[0].wob == pytest.approx(8 * 9806.65)
 
 
+def test_commas_between_semicolons(tmp_path):
+    """Decimal commas as other columns show them; a torque of 6,125 kN m was 6125 kN m. A file that does not show it is refused."""
+    head = "Bit depth (m);Operation;Torque (kN.m)\r\n"
+    found = points(tmp_path, head + "950,0;ROB;6,125\r\n1030,5;ROB;7,250\r\n")
+    assert [(p.bit_depth, p.torque) for p in found] == [(950.0, 6125.0), (1030.5, 7250.0)]
+    with pytest.raises(CaseError, match="6,125 may be 6125 or 6.125"):
+        points(tmp_path, head + "950;ROB;6,125\r\n")
+    assert points(tmp_path, 'depth,op,torque\n"9,500",ROB,6\n')[0].bit_depth == 9500.0
+
+
 @each_row(("units", "hook"), [("SI", 240.0), ("metric", 240e3), ("field", 240 * 4448.2216152605)])
 def test_units_of_the_case(tmp_path, units, hook):
     found = points(tmp_path, "depth,op,hook load\n1000,PU,240\n", units)

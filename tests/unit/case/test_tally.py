@@ -81,6 +81,12 @@ def test_commas_show_what_they_are_or_are_refused() -> None:
         read(head + "jar;8;3;1e999\n")
 
 
+def test_diameters_as_fractions() -> None:
+    """8 1/2 in of a tally is 8.5 in, also with a sign of inches."""
+    sheet = SHEET.replace("bit,8.5,", "bit,8 1/2,").replace("collar,6.75,", 'collar,"6-3/4""",')
+    assert read(sheet) == read(SHEET)
+
+
 def test_a_row_that_begins_with_an_error_of_a_spreadsheet_is_not_a_comment() -> None:
     rows = "length [m],od [in],id [in],name\n9,8,3,jar\n"
     assert "jar" in read(rows + "# a comment,8,3,MWD\n")[0]

@@ -47,6 +47,15 @@ def test_points_do_not_depend_on_the_pieces():
         assert repr(_points(_trip(), size)) == repr(whole)
 
 
+def test_a_column_of_dates_beside_the_times_changes_no_point():
+    """Date;Time with a comma for decimals, the day before the month as dots say, is the log with one column of clock times."""
+    lines = [HEAD.replace("time", "Date,Time").replace(",", ";")]
+    for line in _trip()[1:]:
+        moment, *cells = line.split(",")
+        lines.append(";".join(["01.02.2026", moment[11:], *(q.replace(".", ",") for q in cells)]))
+    assert _points(lines, 7) == _points(_trip(), 7)
+
+
 def test_restart_amid_a_stand():
     lines = _trip()
     stream = LogStream("rig.csv")

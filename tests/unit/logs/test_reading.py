@@ -187,8 +187,16 @@ def test_clocks():
     assert seconds.tolist() == [0, 30] and start.isoformat() == "2020-12-31T23:59:30+00:00"
     seconds, _ = clock_times(["12/31/2020 11:59:30 PM", "01/01/2021 12:00:00 AM"])
     assert seconds.tolist() == [0, 30]
-    with pytest.raises(ClockError):
-        clock_times(["31/12/2020 10:00", "12/31/2020 10:00"])
+    _, start = clock_times(["01.03.2026 06:00:00"])
+    assert start.isoformat() == "2026-03-01T06:00:00+00:00"
+    for rows, words in (
+        (["31/12/2020 10:00", "12/31/2020 10:00"], "the day first"),
+        (["31.12.2020 10:00", "12.31.2020 10:00"], "a date and time"),
+        (["01/03/2026 10:00"], "no row has a number above 12"),
+        (["06:00:00"], "--map date=TITLE"),
+    ):
+        with pytest.raises(ClockError, match=words):
+            clock_times(rows)
 
 
 def test_chunks_in_several_files_are_one_log(tmp_path):

@@ -62,6 +62,16 @@ def test_units_of_the_folder_are_metric_where_the_case_has_none(folder: Path) ->
     assert not (folder / "export" / "surge.csv").exists()
 
 
+def test_rows_of_a_roadmap_keep_their_operation(folder: Path) -> None:
+    """One column of a roadmap comes with the operation and friction of each row, without which its rows are alike."""
+    (folder / "roadmap.csv").write_text(
+        "bit_depth [m],operation [-],ff_cased [-],hook_load [N],stretch [m]\n100,trip_in,0.2,1,0\n100,trip_out,0.2,2,0\n"
+    )
+    export(folder, columns=["hook_load"])
+    heads, *body = rows(folder / "export" / "roadmap.csv")
+    assert len(heads) == 4 and [row[1] for row in body] == ["trip_in", "trip_out"]
+
+
 def test_las_is_read_by_lasio(folder: Path) -> None:
     """lasio is an independent reader of LAS files."""
     lasio = pytest.importorskip("lasio")
