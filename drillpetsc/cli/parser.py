@@ -68,7 +68,7 @@ def _main(words: list[str] | None) -> int:
         own[:2] = ["import-log"]
     try:
         _refuse_old(own)
-        arguments, unknown = parser(own).parse_known_args(own)
+        arguments, unknown = parser(own[:1]).parse_known_args(own)
         operation = next(q for q in operations.OPERATIONS if q.command() == arguments.command)
         if unknown:
             raise _unknown_option(unknown[0])
@@ -93,21 +93,22 @@ def _main(words: list[str] | None) -> int:
 def parser(wanted: list[str] | None = None) -> argparse.ArgumentParser:
     """The parser of all commands.
 
-    wanted: commands whose options are needed; the others get none, which saves most of the time. None: all.
+    wanted: the one command that is needed, which saves most of the time; None: all. Of an unknown one it has the names of all.
     """
     whole = argparse.ArgumentParser(
         prog="drillpetsc", description="Drillstring dynamics on PETSc.", **_PARSER_STYLE
     )
     whole.add_argument("--version", action="version", version=f"drillpetsc {__version__}")
     sub = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for operation in operations.OPERATIONS:
+    chosen = [q for q in operations.OPERATIONS if wanted is None or q.command() in wanted]
+    for operation in chosen or operations.OPERATIONS:
         command = sub.add_parser(
             operation.command(),
             help=operation.summary().replace("%", "%%"),
             description=operation.summary(),
             **(_PARSER_STYLE if operation.petsc else _PARSER_STYLE | {"epilog": EXIT_STATUS}),
         )
-        for option in operation.options() if wanted is None or operation.command() in wanted else ():
+        for option in operation.options() if chosen else ():
             if Mark.PYTHON not in option.marks:
                 _add_option(command, option)
     return whole

@@ -24,7 +24,7 @@ def folder(tmp_path_factory):
     """A folder with small.yaml and the command done once."""
     path = tmp_path_factory.mktemp("uncertain")
     (path / "small.yaml").write_text(CASE + ROADMAP + "uncertain:\n" + FRICTION + DENSITY)
-    words = ("--samples", "40", "--method", "both", "--quantiles", "5,95", "--units", "field", "--out", "r")
+    words = ("--samples", "20", "--method", "both", "--quantiles", "5,95", "--units", "field", "--out", "r")
     done = succeeds("uncertain", "small.yaml", *words, cwd=path, rendered=True)
     (path / "screen").write_text(done.stdout)
     return path
@@ -59,7 +59,7 @@ def test_python_function(folder):
     """The same seed gives the same file; hydraulics has its own outputs; bare numbers have the units of the case."""
     with unrendered():
         found = dp.uncertain(
-            folder / "small.yaml", folder / "p", samples=40, method="both", quantiles=[5, 95]
+            folder / "small.yaml", folder / "p", samples=20, method="both", quantiles=[5, 95]
         )
     assert found.kind == "uncertain"
     assert (folder / "p/uncertain.csv").read_bytes() == (folder / "r/uncertain.csv").read_bytes()
