@@ -1,30 +1,29 @@
 """Soft strings of many bit depths, operations and friction factors, integrated together from the bit up.
 
 The equations are those of `soft_string`, with the extra wall force r F^2/(4 EI) where the compression F is above the
-helical buckling load (manual: sec-soft-string-helical).  One step of all strings is one step of numpy, so that hundreds
-of strings cost little more than one.
+helical buckling load (manual: sec-soft-string-helical).  The steps are a kernel (kernels/soft/step.hpp).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from drillpetsc.analysis.loads.torque_drag.string_rows import StringRows
-from drillpetsc.analysis.statics.start.soft_string import _A11, _A12, _A21, _A22, _GAUSS, MAX_STEP
+from drillpetsc.analysis.statics.start.soft_string import _GAUSS, MAX_STEP
 from drillpetsc.arrays import FloatArray
 from drillpetsc.geometry.well import Well
+from drillpetsc.kernels import function, pointer
 
-#: load of a string in a hole with side load, over sqrt(EI q/r): Dawson and Paslay (SPE 11167), Chen, Lin and Cheatham
-SINUSOIDAL, HELICAL = 2.0, 2.0 * np.sqrt(2.0)
-#: load of a string in a vertical hole over (w^2 EI)^(1/3), Lubinski (1950); taken where it is larger
-VERTICAL_SINUSOIDAL, VERTICAL_HELICAL = 1.94, 3.75
 VERTICAL = np.radians(3.0)  # inclination below which a hole is vertical
 LARGEST_FORCE = 5e7  # compression beyond that of any string: the force would grow without bound [N]
 PASSED = 0.01  # share of a change of the hook load that must reach the bit
 SMALLEST_CLEARANCE = 1e-6  # [m]
+RESULTS = 6  # of a step, in the kernel's order
 RIGID = 1e30  # stiffness of rigid items, in place of infinity [N], [N m2]
 
 
@@ -122,6 +121,7 @@ class Hole:
         self.kk = (curvature * curvature).sum(-1)
         self.kz = (curvature * across).sum(-1)
         self.zz = (across * across).sum(-1)
+        self.points = np.ascontiguousarray(np.concatenate([self.down, self.kk, self.kz, self.zz], axis=1))
         self.vertical = self.down.mean(1) > np.cos(VERTICAL)
         self.curvature = np.sqrt(self.kk)
         radius = np.asarray(well.section_radius)[self.section]
@@ -152,22 +152,20 @@ class Hole:
 
 
 def soft_strings(hole: Hole, loads: Columns) -> Batch:
-    """Integrate all strings from the bit up.
-
-    Within a step whether the string is helical follows from the force at the step's lower end, so that the stage
-    equations are smooth.
-    """
+    """Integrate all strings from the bit up."""
+    steps = Steps(hole, loads)
+    tension, results, stop = steps.march()
     with np.errstate(over="ignore", invalid="ignore"):  # of strings whose force grows without bound
-        return _soft_strings(hole, loads)
+        return steps.batch(tension, results, stop)
 
 
 @dataclass(frozen=True)
 class Step:
-    """Result of one step, or of all at once: rows (.., c) of each.
+    """Result of all steps, (k, c) of each.
 
     above: force at the upper end [N]; contact: mean wall force per length [N/m]; mean: force [N].
     state: 0 straight, 1 sinusoidal, 2 helical.
-    ratios: (2, .., c) compression over both buckling loads, as in ``Batch``.
+    ratios: (2, k, c) compression over both buckling loads, as in ``Batch``.
     growth: of a change of the force over the step.
     """
 
@@ -195,11 +193,13 @@ class Steps:
         self.weight = of["weight"][:, placed] * loads.weight_factor
         self.inside = hole.inside[:, placed]
         stiffness, clearance = of["bending_stiffness"][:, placed], of["clearance"][:, placed]
-        self.extra = clearance / (4 * stiffness)
-        self.root = np.sqrt(stiffness / clearance)
-        self.hanging = np.where(hole.vertical[:, None], np.cbrt(self.weight**2 * stiffness), 0.0)
-        self.h = np.where(self.inside, hole.h[:, None], 0.0)
-        self.lift = np.zeros((len(hole.h), 1)) if loads.lift is None else loads.lift
+        extra = clearance / (4 * stiffness)
+        root = np.sqrt(stiffness / clearance)
+        hanging = np.where(hole.vertical[:, None], np.cbrt(self.weight**2 * stiffness), 0.0)
+        self.h = np.ascontiguousarray(np.where(self.inside, hole.h[:, None], 0.0))
+        lift = np.zeros((len(hole.h), 1)) if loads.lift is None else loads.lift
+        parts = self.weight, lift, self.drag, extra, root, hanging
+        self.values = np.ascontiguousarray(np.stack(np.broadcast_arrays(*parts), axis=-1), dtype=float)
 
     @property
     def end(self) -> FloatArray:
@@ -210,54 +210,36 @@ class Steps:
         at_end = np.asarray(hole.well.at(lower_end)[1])[:, 2][placed]
         return np.asarray(weight * at_end - loads.wob - (0.0 if loads.thrust is None else loads.thrust))
 
-    def from_below(self, t: FloatArray, i: int | slice = slice(None), h: FloatArray | None = None) -> Step:
-        """Take the step number ``i``, or all, from the forces ``t`` (.., c) [N] at the lower ends.
+    def from_below(self, t: FloatArray) -> Step:
+        """Take every step from the forces ``t`` (k, c) [N] at the lower ends."""
+        t = np.ascontiguousarray(t)
+        above, out = np.empty(t.shape), np.empty((RESULTS, *t.shape))
+        _steps(*t.shape, *self._arguments(), pointer(t), pointer(above), pointer(out))
+        return _step_of(above, out)
 
-        h: (c,) length of the step [m], by default that of the part inside the string.
-        """
-        hole, w, drag = self.hole, self.weight[i], self.drag[i]
-        step = self.h[i] if h is None else h
-        down, kk, kz, zz = (q[i][..., None] for q in (hole.down, hole.kk, hole.kz, hole.zz))
-        (d1, d2), (k1, k2), (z1, z2), (y1, y2) = ((q[..., 0, :], q[..., 1, :]) for q in (down, kk, kz, zz))
-        lift = self.lift[i]
-        g1, g2 = w * d1 - lift, w * d2 - lift
-        c1, c2 = 2 * w * z1, 2 * w * z2
-        w1, w2 = w * w * y1, w * w * y2
-        push = np.maximum(-t, 0.0)
-        side = np.sqrt(np.maximum((t * k2 + c2) * t + w2, 0.0))
-        load, hanging = self.root[i] * np.sqrt(side), self.hanging[i]
-        limits = (
-            np.maximum(SINUSOIDAL * load, VERTICAL_SINUSOIDAL * hanging),
-            np.maximum(HELICAL * load, VERTICAL_HELICAL * hanging),
-        )
-        buckled, helical = (push > limit for limit in limits)
-        none = np.where(push > 0, np.inf, 0.0)
-        ratios = np.stack([np.divide(push, q, out=none.copy(), where=q > 0) for q in limits])
-        e = np.where(helical, self.extra[i], 0.0)
-        upper, n1, f1, lower, n2, f2 = _stages(t, step, drag, e, (g1, k1, c1, w1), (g2, k2, c2, w2))
-        middle = 0.5 * (lower + upper)
-        dn = np.divide(
-            middle * k2 + 0.5 * c2, side, out=np.zeros(t.shape), where=side > 1e-9
-        )  # dN/dT without the helix
-        growth = step * drag * (dn + 2 * e * middle)
-        state = np.where(helical, 2, buckled)
-        return Step(t + 0.5 * step * (f1 + f2), 0.5 * (n1 + n2), middle, state, ratios, growth)
+    def march(self) -> tuple[FloatArray, Step, FloatArray]:
+        """Forces (k+1, c) [N] at the edges from the lower end up, their steps, and (c,) measured depths [m] where a string breaks, else nan."""
+        k, count = self.h.shape
+        tension, out = np.empty((k + 1, count)), np.zeros((RESULTS, k, count))
+        tension[-1], stop = self.end, np.full(count, np.nan)
+        edges = np.ascontiguousarray(self.hole.edges)
+        _march(
+            k, count, *self._arguments(), pointer(edges), LARGEST_FORCE, pointer(tension), pointer(out), pointer(stop)
+        )  # fmt: skip
+        return tension, _step_of(tension[:-1], out), stop
 
-    def batch(
-        self,
-        tension: FloatArray,
-        steps: Step,
-        broken: np.ndarray | None = None,
-        stop: FloatArray | None = None,
-    ) -> Batch:
+    def _arguments(self) -> tuple[int, ...]:
+        return tuple(pointer(q) for q in (self.hole.points, self.values, self.h))
+
+    def batch(self, tension: FloatArray, steps: Step, stop: FloatArray | None = None) -> Batch:
         """Everything that forces (k+1, c) [N] at the edges give, with their ``steps``.
 
-        broken, stop: (c,) strings that cannot carry their weight on bit, and measured depths [m] of the places; None: none.
+        stop: (c,) measured depths [m] where strings cannot carry their weight on bit, nan of others; None: none.
         """
         hole, loads, placed, inside = self.hole, self.loads, self.loads.placed, self.inside
         count = len(placed)
-        broken = np.zeros(count, dtype=bool) if broken is None else broken
         stop = np.full(count, np.nan) if stop is None else stop
+        broken = ~np.isnan(stop)
         h, mean = self.h, steps.mean
         torque_step = h * self.hoop * hole.of["contact_radius"][:, placed] * self.mu * steps.contact
         torque = loads.torque + np.vstack([np.cumsum(torque_step[::-1], axis=0)[::-1], np.zeros((1, count))])
@@ -286,48 +268,23 @@ class Steps:
         )
 
 
-def _soft_strings(hole: Hole, loads: Columns) -> Batch:
-    steps, k, count = Steps(hole, loads), len(hole.h), len(loads.placed)
-    h_inside = steps.h.copy()
-    tension = np.empty((k + 1, count))
-    tension[-1] = t = steps.end
-    contact, state = np.zeros((k, count)), np.zeros((k, count), dtype=np.int8)
-    ratios = np.zeros((2, k, count))
-    mean, growth = np.zeros((k, count)), np.zeros((k, count))
-    broken, stop = np.zeros(count, dtype=bool), np.full(count, np.nan)
-    for i in range(k - 1, -1, -1):
-        step = steps.from_below(t, i, h_inside[i])
-        t = step.above
-        lost = ~broken & ~(np.abs(t) < LARGEST_FORCE)
-        if lost.any() or broken.any():
-            broken |= lost
-            stop = np.where(lost, hole.edges[i + 1], stop)
-            t = np.where(broken, -LARGEST_FORCE, t)
-            h_inside[: i + 1, broken] = 0.0
-        tension[i], contact[i], mean[i], state[i] = t, step.contact, step.mean, step.state
-        growth[i], ratios[:, i] = step.growth, step.ratios
-    return steps.batch(tension, Step(tension[:-1], contact, mean, state, ratios, growth), broken, stop)
+def _step_of(above: FloatArray, out: FloatArray) -> Step:
+    """The step of results (RESULTS, k, c) in the order of kernels/soft/step.hpp."""
+    contact, mean, growth, sinusoidal, helical, state = out
+    return Step(above, contact, mean, state.astype(np.int8), np.stack([sinusoidal, helical]), growth)
 
 
-def _stages(t: FloatArray, step: FloatArray, drag: FloatArray, e: FloatArray, up: tuple, low: tuple) -> tuple:
-    """Solve both Gauss stages of a step from the forces t (c,) [N] at its lower end.
+@cache
+def _entry(name: str, arguments: str) -> Any:
+    return function(name, arguments)
 
-    step: (c,) lengths [m]; drag: (c,) friction along the string [-]; e: (c,) of the helix [1/(N m)].
-    up, low: of each stage the weight along the hole (c,) [N/m], and k, c, w of the wall force sqrt(k T^2 + c T + w) [N/m].
-    Returns force [N], wall force and growth of the force [N/m], (c,) each, at the upper and then at the lower stage.
-    """
-    (g1, k1, c1, w1), (g2, k2, c2, w2) = up, low
-    upper = lower = t
-    for _ in range(50):
-        n2 = np.sqrt(np.maximum((lower * k2 + c2) * lower + w2, 0.0)) + e * lower * lower
-        n1 = np.sqrt(np.maximum((upper * k1 + c1) * upper + w1, 0.0)) + e * upper * upper
-        f2, f1 = g2 + drag * n2, g1 + drag * n1
-        new_lower, new_upper = t + step * (_A11 * f2 + _A12 * f1), t + step * (_A21 * f2 + _A22 * f1)
-        change = np.abs(new_lower - lower) + np.abs(new_upper - upper)
-        lower, upper = new_lower, new_upper
-        if (change <= 1e-12 * (np.abs(t) + step * (np.abs(f1) + np.abs(f2))) + 1e-300).all():
-            break
-    return upper, n1, f1, lower, n2, f2
+
+def _steps(*arguments: Any) -> None:
+    _entry("soft_string_steps", "iipppppp")(*arguments)
+
+
+def _march(*arguments: Any) -> None:
+    _entry("soft_string_march", "iippppdppp")(*arguments)
 
 
 def _locked(hole: Hole, slope: FloatArray, lowered: np.ndarray) -> FloatArray:
