@@ -61,6 +61,23 @@ def test_a_pure_couple_has_no_side_force():
     assert item["couple_high [N m]"] == pytest.approx(-push * length, rel=2e-3)
 
 
+def test_a_stabilizer_that_lies_even_has_no_couple():
+    """Between two pipes that lie alike in a level hole: the couple of the wall about its middle is zero."""
+    pipe = {"kind": "pipe", "length": 49.5, "od": 0.127, "id": 0.1086, "element_length": 4.5}
+    case = Case(
+        well=hole(100.0, np.pi / 2),
+        string=[pipe, {"kind": "stabilizer", "length": 1.0, "od": 0.2149, "mass": 500.0}, pipe],
+        top="clamped",
+        bottom="clamped",
+        contact={"stiffness": STIFFNESS},
+        gravity=G,
+    )
+    model = build_model(case)
+    (item,) = items_of(model, find_equilibrium(model))
+    assert item["side_force [N]"] > 300.0 * G
+    assert item["side_couple [N m]"] < 1e-3 * item["side_force [N]"]
+
+
 def three_stabilizers() -> Case:
     """A string with three stabilizers, hoisted off bottom in a straight hole of 45 degrees."""
     stabilizer = {"kind": "stabilizer", "length": 1.5, "od": 0.2127, "id": 0.0714, "mass": 300.0}

@@ -240,3 +240,18 @@ def test_local_error_of_a_cubic(radius):
     assert errors.local_errors(times, values) == pytest.approx(expected, rel=1e-9, abs=1e-12)
     weights = [errors.weights(times[k : k + 4].tolist()) @ values[k : k + 4] for k in range(3)]
     assert np.array(weights) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@each_row("radius", [0.0, 0.8, 1.0])
+def test_error_of_a_first_order_unknown_over_uneven_steps(radius):
+    """t^3 over steps of 0.1 and 0.25: the error of the second is C h^3 times the third derivative, 6."""
+    formula = AlphaFormula(radius)
+    history, t, zero = AlphaHistory(formula, np.array([False])), 0.3, np.zeros(1)
+    history.start(np.array([t**3]), np.array([3 * t**2]), zero, zero, zero)
+    for step in (0.1, 0.25):
+        t += step
+        state = np.array([t**3]), np.array([3 * t**2]), zero
+        history.advance(step, *map(pointer, state))
+        error = abs(history.error[0])
+        history.accept()
+    assert error == pytest.approx(6 * formula.error_constants[1] * 0.25**3, rel=1e-9)
