@@ -242,6 +242,17 @@ def test_local_error_of_a_cubic(radius):
     assert np.array(weights) == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
+@each_row("radius", [0.0, 0.3, 1.0])
+def test_error_of_a_position_in_a_step(radius):
+    """x = t^3 with accelerations 6 t that lead: the formula misses it by C h^3 times the third derivative; 1/12 of the trapezoidal rule."""
+    q, t, h = AlphaFormula(radius), 0.7, 0.2
+    earlier, later = (6 * (end + q.lead * h) for end in (t, t + h))
+    moved = t**3 + h * 3 * t**2 + h**2 * ((0.5 - q.beta) * earlier + q.beta * later)
+    assert abs((t + h) ** 3 - moved) == pytest.approx(6 * h**3 * q.error_constants[0], rel=1e-9)
+    if radius == 1.0:
+        assert q.error_constants[0] == pytest.approx(1 / 12)
+
+
 @each_row("radius", [0.0, 0.8, 1.0])
 def test_error_of_a_first_order_unknown_over_uneven_steps(radius):
     """t^3 over steps of 0.1 and 0.25: the error of the second is C h^3 times the third derivative, 6."""
