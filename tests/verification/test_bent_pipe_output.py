@@ -35,5 +35,7 @@ def test_a_bent_pipe_at_rest_has_no_bending_moment():
     moments = values[:, [name for name, _ in columns].index("bending_moment")]
     curvature = values[:, [name for name, _ in columns].index("curvature")]
     assert curvature == pytest.approx(np.full(11, 0.01), rel=2e-3)
+    whole = 0.5 * model.mesh.bending_stiffness[0] * 0.01**2 * 20  # the energy that would straighten it
+    assert abs(model.system.energies(0.0)[1]) < 1e-4 * whole
     assert np.abs(moments).max() < 30 and np.abs(data["bending_moment [N m]"]).max() < 30
     assert data["bending_moment [N m]"] == pytest.approx(moments, abs=1e-6)

@@ -266,3 +266,14 @@ def test_error_of_a_first_order_unknown_over_uneven_steps(radius):
         error = abs(history.error[0])
         history.accept()
     assert error == pytest.approx(6 * formula.error_constants[1] * 0.25**3, rel=1e-9)
+
+
+def test_a_jump_at_the_start_is_a_start_after_it():
+    """Of unknowns of second and of first order: every row of the history."""
+    formula, two = AlphaFormula(0.6), np.array([True, False])
+    x, y, w, rate, second, change, more = np.random.default_rng(3).standard_normal((7, 2))
+    jumped, begun = AlphaHistory(formula, two), AlphaHistory(formula, two)
+    jumped.start(x, y, w, rate, second)
+    jumped.jump(change, more)
+    begun.start(x, y + np.where(two, 0.0, change), w + change, rate, second + more)
+    assert jumped.values == pytest.approx(begun.values, abs=1e-14)
