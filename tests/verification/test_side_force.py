@@ -135,3 +135,22 @@ def test_items_off_the_wall_have_no_force():
     )  # fmt: skip
     (item,) = items_of(model, find_equilibrium(model))
     assert all(value == 0 for key, value in item.items() if key not in ("name", "md [m]"))
+
+
+def test_each_of_two_stabilizers_below_each_other_has_the_gap_of_its_own_hole():
+    """They hang below one pipe in a vertical hole that widens from 0.2159 to 0.25 m beside the upper one."""
+    widths = (100.3, 0.2159), (110.0, 0.25)
+    stabilizer = {"kind": "stabilizer", "length": 1.0, "mass": 80.0}
+    pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "length": 100.0}
+    case = Case(
+        well=hole(110.0, 0.0)
+        | {"sections": [{"to": to, "kind": "open_hole", "diameter": d, "friction": 0.0} for to, d in widths]},
+        string=[pipe, stabilizer | {"od": 0.2}, stabilizer | {"od": 0.19}],
+        top={"kind": "top_drive"},
+        gravity=G,
+    )
+    model = build_model(case)
+    find_equilibrium(model)
+    found = static_state(model)
+    gaps = [row["gap"] for row in contact_rows(model, found.nodes, found.tangent, item_forces(model))[1:]]
+    assert gaps == pytest.approx([0.5 * (0.2159 - 0.2), 0.5 * (0.25 - 0.19)], rel=1e-6)
