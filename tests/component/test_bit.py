@@ -180,6 +180,54 @@ def test_power_of_the_bit_is_stored_or_goes_into_the_rock(kind):
     assert heat > 0
 
 
+def centred(kind: str) -> tuple[DiscreteSystem, RockBit]:
+    """The bit on the axis of its hole, along it and at rest, on the bottom and off the side."""
+    system, component = build(kind)
+    asm, where = system.assembly, system.layout.dofs
+    asm.condense(SHIFT)
+    asm.y[:] = 0.0
+    asm.x[where["hole.end"][4]] = 0.0
+    axis, shape = component.hole.direction, component.shape
+    asm.x[where["string.position"][4]] = component.hole.start_point + (0.05 - shape.face + shape.half) * axis
+    asm.x[where["string.tangent"][4]] = axis
+    return system, component
+
+
+def rows_of(system: DiscreteSystem) -> np.ndarray:
+    ready = next(b for b in system.assembly.bound_blocks if b.block.name == "bit_rock")
+    return system.assembly.block_rows(ready, 0.4)[0].copy()
+
+
+def test_friction_of_a_bit_that_only_turns_or_only_slides():
+    """Even pressure: torque 2/3 mu W a on a bit that turns fast, force mu W against one that slides fast and does not turn."""
+    system, component = centred("rop")
+    asm, where = system.assembly, system.layout.dofs
+    weight, mu = component.element_results(asm)[0], component.contact.friction
+    assert weight > 10.0
+    asm.y[where["string.spin"][4]] = 1e7
+    assert rows_of(system)[6] == pytest.approx(2 / 3 * mu * weight * component.shape.radius, rel=1e-6)
+    asm.y[where["string.spin"][4]] = 0.0
+    across = np.cross(component.hole.direction, [0.0, 1.0, 0.0])
+    across /= np.linalg.norm(across)
+    asm.y[where["string.position"][4]] = 1e7 * across
+    rows = rows_of(system)
+    assert rows[:3] @ across == pytest.approx(mu * weight, rel=1e-6)
+    assert abs(rows[6]) < 1e-6 * mu * weight
+
+
+def test_over_gauge_shrinks_by_new_hole_over_the_length_of_the_gauge():
+    """Off the side u' = -u |v|/l_g (manual: eq-bit-overgauge)."""
+    system, component = centred("rop_cutting")
+    asm, where = system.assembly, system.layout.dofs
+    asm.y[where["string.spin"][4]] = 3.0
+    place, results = where["hole.overgauge"][4], component.element_results(asm)
+    assert results[2] > 0 and results[3] == 0  # it drills, and the side does not touch
+    asm.y[place] = -asm.x[place] * results[2] / 0.5
+    steady = rows_of(system)[-1]
+    asm.y[place] = 0.0
+    assert abs(steady) < 1e-9 * abs(rows_of(system)[-1])
+
+
 @each_row("weight", [1.0, 20e3, 16066.040225503912, 64133.17558576836])
 def test_first_chip_of_a_sharp_bit(weight):
     """Without a wear flat all of the weight cuts: d = W/(zeta eps a) for any weight, W = 0 cuts nothing

@@ -9,13 +9,28 @@ import numpy as np
 import pytest
 
 from drillpetsc.fem.bound_parts import ROW_SCALE
+from drillpetsc.fem.discrete_system import DiscreteSystem
+from drillpetsc.geometry.frames import transported_frames
 from drillpetsc.kernels.parameters import columns
 from drillpetsc.physics import beam as beam_physics
+from drillpetsc.physics.beam import AncfBeam
 from drillpetsc.physics.contact import Contact
+from drillpetsc.physics.end_conditions import Loads, NodeLoad
 from drillpetsc.physics.top.hoist import FIGURES
 from drillpetsc.time_function import Ramp
-from tests.helpers.component_models import KINDS, SHIFT, both_jacobians, build, meet_conditions
+from tests.helpers.component_models import (
+    KINDS,
+    SECTION,
+    SHIFT,
+    both_jacobians,
+    build,
+    curved_tangents,
+    meet_conditions,
+    mesh_for,
+)
 from tests.helpers.tables import each_row
+
+ENDS = "upper", "middle", "lower"
 
 
 @each_row("kind", KINDS)
@@ -68,6 +83,38 @@ def test_tables_have_the_energies_of_the_balance(kind):
     of_elements = [table[:, names.index(name)].sum() for name in ("kinetic", "strain", "potential")]
     balance = beam.energies(0.4, asm)
     assert of_elements == pytest.approx([balance.kinetic, balance.strain, balance.potential], rel=1e-12)
+
+
+def test_axial_forces_have_the_mean_of_the_stretch():
+    """Simpson's mean of the forces at both ends and in the middle is EA times the mean stretch of the cubic: the elongation."""
+    system = build("beam")
+    r, v = (system.field(f"string.{name}") for name in ("position", "tangent"))
+    points, weights = np.polynomial.legendre.leggauss(3)
+    xi = 0.5 + 0.5 * points[:, None, None]
+    slope = 6 * xi * (1 - xi) * np.diff(r, axis=0)  # elements of 1 m
+    slope = slope + (1 - xi) * (1 - 3 * xi) * v[:-1] + xi * (3 * xi - 2) * v[1:]
+    stretch = 0.5 * weights @ np.linalg.norm(slope, axis=2) - 1
+    results = system.components[0].element_results(system.assembly)
+    upper, middle, lower = results[:, [beam_physics.RESULT_NAMES.index(f"axial_{name}") for name in ENDS]].T
+    assert (upper + 4 * middle + lower) / 6 == pytest.approx(SECTION["axial_stiffness"] * stretch, rel=1e-12)
+
+
+def test_a_load_in_the_axes_of_the_section_is_that_in_space():
+    """Components along tangent, director 2 and director 3 = tangent x director 2 of an unbent pipe that has not turned."""
+    frames = transported_frames(curved_tangents(5))
+    t, second = frames.reference[2], frames.second_director[2]
+    axes, rows = np.array([t, second, np.cross(t, second)]), []
+    force, moment = np.array([4.0, 1.0, -2.0]), np.array([0.3, 2.0, 1.0])
+    for load in (
+        NodeLoad(2, tuple(force), tuple(moment), section=True),
+        NodeLoad(2, tuple(force @ axes), tuple(moment @ axes)),
+    ):
+        mesh = mesh_for("")
+        system = DiscreteSystem(mesh, frames, [AncfBeam(mesh, frames, np.zeros(3)), Loads((load,), frames)])
+        system.set_field("string.position", np.cumsum(frames.reference, axis=0))
+        system.set_field("string.tangent", frames.reference)
+        rows.append(system.assembly.block_rows(system.assembly.bound_blocks[-1], 0.0).copy())
+    assert rows[0] == pytest.approx(rows[1], abs=1e-13)
 
 
 @each_row("kind", ["beam", "beam_damped", "bodies_junction", "curvature"])

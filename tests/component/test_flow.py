@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,24 @@ def test_condensed_jacobian_matches_central_differences(kind):
     scale = np.abs(J).max(axis=1, keepdims=True)
     scale[scale == 0] = 1.0  # rows of another component's unknowns
     assert np.abs((J - F) @ free / scale).max() < 3e-7
+
+
+@each_row("kind", ["pipe", "pipe_junction"])
+def test_a_string_that_accelerates_as_one_is_one_in_other_gravity(kind):
+    """Rows with gravity g and an acceleration A of all nodes are those with gravity g - A, in any motion (equivalence)."""
+    acceleration, rows = np.array([3.0, -2.0, 1.5]), []
+    for gravity, extra in ((GRAVITY, acceleration), (GRAVITY - acceleration, np.zeros(3))):
+        system = build(kind, fluid=replace(stiff_fluid(), gravity=gravity))
+        asm, bore = system.assembly, system.components[-1]
+        asm.condense(SHIFT)
+        asm.a[system.layout.dofs["string.position"]] += extra
+        found = np.zeros_like(asm.r)
+        for ready in (b for b in asm.bound_blocks if b.block in bore._blocks):
+            np.add.at(found, ready.index.ravel(), asm.block_rows(ready, 0.4).ravel())
+        rows.append(found[:-1])
+    assert rows[0] == pytest.approx(rows[1], rel=1e-9, abs=1e-9 * np.abs(rows[0]).max())
+    flow = system.layout.dofs["bore.flow"][1:, 0]
+    assert rows[0][flow] == pytest.approx(rows[1][flow], rel=1e-9)
 
 
 def mean_speeds(system) -> np.ndarray:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 import drillpetsc.physics
 from drillpetsc.fem.component import Component
 from drillpetsc.physics import interfaces
+from drillpetsc.solvers.time.consistent_start import ConsistentStart
+from tests.helpers.component_models import SHIFT, build
 from tests.helpers.tables import each_row
 
 for found in pkgutil.walk_packages(drillpetsc.physics.__path__, "drillpetsc.physics."):
@@ -99,3 +103,17 @@ def test_energies_and_powers_have_one_home(kind: type[Component]) -> None:
     for name in ("energies", "powers"):
         own = [n for n in (name, f"{name}_of") if getattr(kind, n) is not getattr(Component, n)]
         assert len(own) < 2
+
+
+def test_the_second_derivative_of_the_unknowns_is_that_of_their_rates() -> None:
+    """Of spin angles, too, whose rate is the spin rate without the transport of the tangent: along the motion of a bent string."""
+    system = build("beam")
+    asm, n = system.assembly, system.layout.size
+    asm.condense(SHIFT)
+    start = ConsistentStart(SimpleNamespace(system=system))  # type: ignore[arg-type]
+    x, y, h = asm.x.copy(), asm.y.copy(), 1e-5
+    second, rate, sides = start.second_derivative(), start.rate_of_unknowns(), []
+    for step in (-h, h):
+        asm.x[:n], asm.y[:n] = x[:n] + step * rate, y[:n] + step * asm.a[:n]
+        sides.append(start.rate_of_unknowns())
+    assert second == pytest.approx((sides[1] - sides[0]) / (2 * h), abs=1e-6 * np.abs(second).max())

@@ -7,7 +7,8 @@ import pytest
 
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.physics.fluid.bore_flow import BoreFlow
-from drillpetsc.physics.fluid.tool_losses import LossTable, ToolLosses
+from drillpetsc.physics.fluid.rheology import Rheology
+from drillpetsc.physics.fluid.tool_losses import LossTable, SurfaceLine, ToolLosses
 from tests.helpers import flow_models
 from tests.helpers.component_models import both_jacobians, lengths
 from tests.helpers.flow_models import set_rates
@@ -88,3 +89,8 @@ def test_losses_of_elements_and_the_power_that_they_take(kind):
     found = np.zeros(len(RATES))
     np.add.at(found, ready.block.points, rows[:, 2])
     assert found == pytest.approx(1e-2 * want, rel=1e-9)
+
+
+def test_a_measured_surface_loss_goes_with_the_square_of_the_flow_and_has_its_sign():
+    line = SurfaceLine(Rheology("newtonian", consistency=1e-3), 1200.0, measured=4e5, at=0.03)
+    assert [line.loss(q) for q in (0.03, 0.015, -0.015)] == pytest.approx([4e5, 1e5, -1e5])

@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 
 from drillpetsc.case import load_case
+from drillpetsc.geometry.well import Well
 from drillpetsc.model.drilling_model import DrillingModel, build_model
-from drillpetsc.physics.contact import Contact
+from drillpetsc.physics.contact import Contact, ContactLaw
 from drillpetsc.physics.fluid.moving_hole import REFRESH, SURELY_NEAR
+from tests.helpers.component_models import SECTION
+from tests.helpers.moving import straight_model
+from tests.helpers.uniform_string import uniform_string
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -52,6 +56,21 @@ def test_contact_rows_are_those_of_a_projection_at_every_evaluation(name):
         assert np.array_equal(open_points, np.concatenate(always._touching) == 0)
     assert skipped > 0.2 * points
     assert touched > 0.02 * points
+
+
+def test_a_wall_that_narrows_is_found_by_the_shortest_way():
+    """A section that was 50 mm off the wall moves 0.998 of this across the hole and towards the narrow part: it touches."""
+    gap, slope, pipe = 0.05, 1.5 * 0.1, 0.1  # of the smoothstep from 0.3 to 0.2 m over 1 m, in its middle
+    hole = Well.from_survey([0.0, 20.0], [0.0, 0.0], [0.0, 0.0], [10.0, 20.0], [0.3, 0.2], [0.0, 0.0])
+    mesh = uniform_string(1e-3, 1, **(SECTION | {"outer_diameter": 2 * pipe}))
+    system = straight_model(mesh, [lambda f, p, t: Contact(mesh, hole, ContactLaw(stiffness=1e6))])
+    contact, start = system.components[-1], system.field("string.position") + [0.25 - pipe - gap, 0.0, 10.0]
+    assert isinstance(contact, Contact)
+    way = np.array([1.0, 0.0, slope]) / np.hypot(1.0, slope)
+    for distance, touches in ((0.0, False), (0.9 * gap, False), (0.998 * gap, True)):
+        system.set_field("string.position", start + distance * way)
+        system.assembly.residual(0.0)
+        assert (np.concatenate(contact._touching) == touches).all()
 
 
 def test_a_new_wall_is_found():

@@ -17,6 +17,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.files.atomic import remove_leftovers, replace_file
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.solvers.time.bdf_history import BdfHistory
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from tests.helpers.restarts import files, run_with_copies
 from tests.helpers.tables import each_row
@@ -297,3 +298,14 @@ def test_the_summary_of_every_run_has_the_balances(saved):
     assert (
         abs(summary["mass"]["error_share"]) < 5e-3
     )  # 0.1 ml in a start of 40 ml: the jump from flow at rest to flow in motion
+
+
+def test_the_record_of_a_first_step_has_the_half_step():
+    """PETSc solves the half of a first step, then the whole one; a rejected first step is forgotten."""
+    record = BdfHistory(3)
+    record.start(0.0, np.zeros(1), np.zeros(1))
+    for value in (7.0, 8.0, 1.0, 2.0):  # the first two were rejected
+        record.add_stage(np.array([value]), np.array([-value]))
+    record.add_step(0.1, 0.1, np.array([2.0]), np.array([-2.0]))
+    assert record.half is not None and [q[0] for q in record.half] == [1.0, -1.0]
+    assert [x[0] for x, _ in record.states] == [0.0, 2.0]

@@ -25,6 +25,7 @@ FOOT = 12 * INCH
     [
         ("9-5/8 in", "m", 9.625 * INCH),
         ("1/4 in", "m", INCH / 4),
+        ("3937 ftUS", "m", 1200.0),  # the survey foot
         ("-1/4 in", "m", -INCH / 4),
         ("7 l", "m^3", 7e-3),
         ("1 bbl", "m^3", 42 * GALLON),  # an oil barrel, not a dry one

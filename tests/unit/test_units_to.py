@@ -49,6 +49,11 @@ def test_variables_keep_their_attributes() -> None:
     assert changed.attrs == {"units": "deg/100ft", "label": "Dogleg severity"}
 
 
+def test_temperatures_keep_their_zeros() -> None:
+    assert to(Variable(212.0, {"units": "degF"}), "degC").values == pytest.approx(100.0)
+    assert to(Variable(20.0, {"units": "degC"}), "degF").values == pytest.approx(68.0)
+
+
 def test_a_pound_of_a_force_is_a_force() -> None:
     assert to(Variable(1.0, {"units": "N"}), "lb").values == pytest.approx(1 / 4.4482216152605)
     with pytest.raises(UnitError, match="a mass and a force"):

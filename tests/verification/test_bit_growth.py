@@ -215,3 +215,14 @@ def test_rejected_steps_have_no_effect(law):
     assert b[:, 4:] == pytest.approx(
         a[:, 4:], abs=10 * rtol * one[-1, 0] / 0.005
     )  # slopes over half an interval
+
+
+def test_a_reamed_section_ends_the_next_one_where_too_little_is_left_of_it():
+    """Sections to 10, 12 and 20 m: reamed to 11.5 m half a metre of the second is left, reamed to 11.95 m none."""
+    well = Well.from_survey([0, 20], [0, 0], [0, 0], [10.0, 12.0, 20.0], [0.2, 0.15, 0.1], [0.0, 0.1, 0.2])
+    hole = GrowingHole(well, 0.05, 0.1, 0.0)
+    hole.widen(0)
+    for reamed, to in ((1.5, [11.5, 12.0, 20.0]), (1.95, [11.95, 20.0])):
+        hole.widen_to(0, reamed)
+        assert hole.well.section_to == pytest.approx(to)
+    assert list(hole.well.section_radius) == [0.2, 0.1]

@@ -27,7 +27,7 @@ from drillpetsc.solvers import petsc_options as options
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 from drillpetsc.time_function import Constant
 from tests.helpers.uniform_string import uniform_string
-from tests.helpers.wells import simple_well
+from tests.helpers.wells import newtonian, simple_well
 from tests.verification.test_closed_bottom_modes import case as closed_bottom
 
 BOTH = ("mixed", "hermite")
@@ -462,3 +462,20 @@ def test_the_pressure_on_ledges_of_the_hole_does_not_load_the_string(kind, tmp_p
     if kind in ("on a node", "between nodes"):
         buoyed = (7850 - 1200) * 9.81 * 850 * np.pi / 4 * (0.127**2 - 0.1086**2)
         assert load["hermite"] == pytest.approx(buoyed, rel=2e-3)
+
+
+def test_the_hole_below_an_end_that_hangs_free_is_not_part_of_its_chamber():
+    """A string of 100 m stretches by less than the 5 m that are below it: the chamber has its own volume alone.  Lowered by 8 m the
+    end goes 3 m, and the 0.5 m of the largest stretch, beyond the hole."""
+    hole = np.pi / 4 * 0.2159**2
+    for lowering, more in ((None, 0.0), ({"time": [0, 8], "value": [1.0, 1.0]}, 3.5)):
+        case = Case(
+            well=simple_well(105, 0.2159),
+            string=[{"kind": "pipe", "length": 100, "od": 0.127, "id": 0.1086, "element_length": 20}],
+            top={"kind": "top_drive", **({} if lowering is None else {"lowering": lowering})},
+            bottom="free",
+            time={"end": 8.0},
+            fluid=newtonian(1200, 0.02, flow_rate=0.02, formulation="hermite", bit_volume=0.03),
+        )
+        travel = build_model(case).fluid.bit.travel  # of the end, until 0.1 l are left of the chamber
+        assert travel == pytest.approx((0.03 - 1e-4) / hole + more, rel=1e-6)

@@ -435,3 +435,19 @@ def test_mud_that_takes_cuttings_is_said_to_have_none():
             **more,
         )
         assert any("without cuttings" in note for note in Hydraulics(c).notes) is (more is drills)
+
+
+def test_still_mud_below_the_bit_has_the_density_of_its_pressure():
+    """dp/dz = rho_0 exp(p/K) g at the bit, and (exp(-p_1/K) - exp(-p_2/K)) K = rho_0 g dz over 500 m, with a soft mud."""
+    case = Case(
+        well=simple_well(2000, 0.2159),
+        string=[{"kind": "pipe", "length": 1500, "od": 0.127, "id": 0.1086, "element_length": 100}],
+        top="clamped",
+        bottom="free",
+        fluid=newtonian(1500, 0.02, bulk_modulus=4e8, flow_rate=0.0),
+    )
+    flow = FlowModel(case, whole_string(case), "closed")
+    flow.solve()
+    p, q = flow.pressure_below(np.array([1500.0, 2000.0]))
+    assert p == pytest.approx(flow.bottom_pressure(), rel=1e-9)
+    assert 4e8 * (np.exp(-p / 4e8) - np.exp(-q / 4e8)) == pytest.approx(1500 * flow.gravity * 500, rel=1e-9)

@@ -10,8 +10,12 @@ import pytest
 
 from drillpetsc import Case, Jar, run
 from drillpetsc.errors import CaseError
+from drillpetsc.fem.string_mesh import JarLaw
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.physics.joints import Joints
+from drillpetsc.physics.tools.jar import FREE, LATCHED, METERING
+from drillpetsc.physics.tools.jar import Jar as Latch
 from tests.helpers.tables import each_row
 
 PIPE, COLLAR = {"od": 0.127, "id": 0.1086}, {"od": 0.1778, "id": 0.0714}
@@ -224,6 +228,44 @@ def test_mechanical_jar_fires_at_its_trigger_and_cocks_again(
     assert found["jar_fired"].max() >= 2
     shot = found["time"][np.argmax(found["jar_fired"] > 0)]
     assert shot == pytest.approx(0.1, abs=4e-3)
+
+
+LAW = JarLaw(threshold=6e4, metering=0.05, resistance=2e5, latch=1e8, up=True, down=True, item=0)
+
+
+@each_row(("side", "beyond"), [(1.0, 0.0), (-1.0, 0.0), (1.0, 2e-5), (-1.0, -3e-5)])
+def test_a_latch_that_holds_again_is_a_spring_about_its_place(side, beyond):
+    """Where the pull fell to the threshold the slider has that force and no energy, beyond it a latch's."""
+    place, load = side * 0.03, side * LAW.threshold
+    latch = Latch(LAW, LATCHED, side, place, load)
+    law, x = latch.slider(), place + beyond
+    assert law["spring"] * x - law["preload"] == pytest.approx(load + LAW.latch * beyond, rel=1e-9)
+    energy = (0.5 * law["spring"] * x - law["preload"]) * x + latch.at_latch
+    assert energy == pytest.approx(load * beyond + 0.5 * LAW.latch * beyond**2, abs=1e-6)
+
+
+@each_row("side", [1.0, -1.0])
+def test_a_jar_meters_its_stroke_in_either_direction(side):
+    latch, pull = Latch(LAW, METERING, side), side * 8e4
+    assert not latch.passed(0.98 * side * LAW.metering, side * 0.1, pull)
+    assert latch.passed(1.02 * side * LAW.metering, side * 0.1, pull)
+    latch.switch(1.02 * side * LAW.metering, side * 0.1, pull)
+    assert (latch.mode, latch.fired) == (FREE, 1)
+
+
+def test_a_string_on_a_latch_that_holds_again_has_no_energy_in_it():
+    """The strain energy of the joints with the slider at the place of the latch: the energy books begin there anew."""
+    model = build_model(hanging(jar(threshold=1e4, metering_resistance=2e5, metering_stroke=0.05)))
+    joints, asm = model.part(Joints), model.system.assembly
+    assert joints is not None
+    (latch,), place = joints.jars, 0.02
+    latch.mode, latch.place, latch.load = LATCHED, place, latch.law.threshold
+    joints.set_state(joints.get_state())
+    model.beam.place(model.system, model.position, model.tangent)
+    below = model.system.layout.dofs["string.position"][joints.joints[0].cell + 1 :]
+    asm.x[below] += place * model.tangent[joints.joints[0].cell + 1 :]
+    assert joints.element_results(asm)[0, joints.RESULTS.index("travel")] == pytest.approx(place)
+    assert abs(joints.energies(0.0, asm).strain) < 1e-5 * latch.law.latch * place**2
 
 
 @each_row(

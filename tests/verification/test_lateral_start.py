@@ -25,6 +25,7 @@ from drillpetsc.solvers.static.lateral_beam import (
     ContactPoints,
     Elements,
     LateralBeam,
+    element_matrices,
     lateral_state,
 )
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
@@ -421,3 +422,11 @@ def test_search_of_a_string_in_tension_ends(monkeypatch):
     monkeypatch.setattr(lateral_start, "lateral_state", noted)
     find_equilibrium(model)
     assert beams and all(beam.iterations < 2 * MAX_INNER for beam in beams)
+
+
+def test_a_straight_string_that_leans_has_the_energy_of_its_tension():
+    """A rigid item of length a and a pipe of length L below it turn by theta as one: T (a + L) theta^2/2, and no bending."""
+    tension, rigid, length = np.array([3e4, -2e4]), np.array([1.5, 0.7]), np.array([4.0, 9.0])
+    K = element_matrices(length, np.array([1e6, 2e6]), tension, rigid)
+    lean = np.stack([0 * length, 1 + 0 * length, rigid + length, 1 + 0 * length], axis=1)
+    assert np.einsum("ea,eab,eb->e", lean, K, lean) == pytest.approx(tension * (rigid + length), rel=1e-9)

@@ -14,12 +14,14 @@ import pytest
 from drillpetsc import limits, statics
 from drillpetsc.analysis.hydraulics.trade_formulas import PPG
 from drillpetsc.analysis.loads.limits.free_point import StuckString, free_points, slope
-from drillpetsc.analysis.loads.limits.limits import run_limits
+from drillpetsc.analysis.loads.limits.limits import _still_pressure, run_limits
+from drillpetsc.analysis.loads.limits.soft_limits import SoftLimits
 from drillpetsc.analysis.loads.limits.table import Choices
 from drillpetsc.case import Case
 from drillpetsc.case.catalogue.sizes import INCH, KSI, LB_PER_FT, LBF
 from drillpetsc.case.options.free_point_options import Pair, read_pairs
 from drillpetsc.errors import CaseError
+from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
 from drillpetsc.output.job import Job
 from tests.helpers.tables import each_row
@@ -526,3 +528,26 @@ def test_pairs_of_stretch_and_pull_are_read():
     ):
         with pytest.raises(CaseError):
             read_pairs(*bad)
+
+
+def test_what_is_left_to_pull_at_the_bit_in_a_vertical_hole():
+    """Without friction a pull at the bit is felt all along: the limit less the weight of the string and the pull of the pressures on
+    its wall.  Still mud presses the wall of an open pipe by rho g z times its metal."""
+    case = Case(
+        well={
+            "survey": {"md": [0, 1000], "inclination": [0, 0], "azimuth": [0, 0]},
+            "sections": [{"to": 1000, "kind": "casing", "diameter": 0.2159, "friction": 0.3}],
+        },
+        string=[{"kind": "pipe", "length": 900, "od": 0.127, "id": 0.1086, "element_length": 50}],
+        top="clamped",
+        bottom="free",
+        fluid={"density": 1200, "rheology": {"model": "newtonian", "viscosity": 0.02}, "flow_rate": 0.03},
+    )
+    model, area = build_model(case), np.pi / 4 * (0.127**2 - 0.1086**2)
+    soft, ends = SoftLimits(model, "chen"), (len(model.mesh.upper), 2)
+    weight = area * (7850 - 1200) * 9.80665 * 900
+    assert soft.max_overpull(np.full(ends, 1.2e6), np.full(ends, 1e5)).load == pytest.approx(
+        1.1e6 - weight, rel=3e-3
+    )
+    still = _still_pressure(model)
+    assert still is not None and still[-1, 1] == pytest.approx(-1200 * 9.80665 * 900 * area, rel=1e-9)

@@ -12,6 +12,8 @@ from drillpetsc import Case, load_case
 from drillpetsc.errors import CaseError, SolveError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.physics.top.hoist import Hoist
+from drillpetsc.solvers.linear.model_reduction import reduce
+from drillpetsc.solvers.linear.state_space import StateSpace
 from tests.helpers import top_drive_models as m
 from tests.helpers.wells import simple_well
 
@@ -294,3 +296,14 @@ def test_weight_by_the_speed_of_the_drum(wob, tmp_path):
     s = 2j * np.pi * np.array([0.003, 0.01])
     found = system.response(s.imag / (2 * np.pi))[:, 0, 0]
     assert np.abs(found / (k / (s + k * 6e-8)) - 1).max() < 1e-2
+
+
+def test_the_dominant_mode_is_kept_and_the_static_response_of_the_others():
+    """Roots -1.0005 +- 0.0316 of x'' + 2.001 x' + x = u, residues +-1/0.0632 though their vectors are almost one, beside 5/(s + 1):
+    order 1 keeps the slower of both.  The response at rest is that of the whole model, whatever the usual size of the input."""
+    A = np.array([[0.0, 1.0, 0.0], [-1.0, -2.001, 0.0], [0.0, 0.0, -1.0]])
+    B, C = np.array([[0.0], [1.0], [np.sqrt(5.0)]]), np.array([[1.0, 0.0, np.sqrt(5.0)]])
+    model = StateSpace(A, B, C, np.zeros((1, 1)), np.zeros((1, 1)))
+    small = reduce(model, "modal", 1, 0.0, np.array([0.2])).system
+    assert small.A.ravel() == pytest.approx([np.sqrt(1.0005**2 - 1) - 1.0005])
+    assert small.response(np.array([1e-9])) == pytest.approx(model.response(np.array([1e-9])), rel=1e-6)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from drillpetsc.analysis.calibration.estimator import UNIT_STEP
-from drillpetsc.analysis.loads.torque_drag.readings.along_depth import correlation_sum
+from drillpetsc.analysis.loads.torque_drag.readings.along_depth import correlation_sum, small_sample
 from drillpetsc.analysis.loads.torque_drag.readings.calibration import Calibration
-from drillpetsc.analysis.loads.torque_drag.readings.held_out import predict
+from drillpetsc.analysis.loads.torque_drag.readings.held_out import BAND, BAND_SIGMAS, predict
 from drillpetsc.analysis.loads.torque_drag.readings.model_error import SECTION, ModelError, Relative, relative
 from tests.verification.test_calibrate_command import TRUTH, _drilling, case
 
@@ -171,3 +171,9 @@ def test_the_parameter_that_no_reading_determines_is_named() -> None:
     jacobian = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1e-3], [0.0, 1e-9, 0.0]])
     assert work._unclear(names, jacobian / unit) == "weight_factor"
     assert work._unclear(names, np.eye(3) / unit) is None
+
+
+def test_intervals_of_few_blocks_and_bands_have_the_quantiles_of_tables():
+    """Student's 2.776 of five blocks over the normal 1.960, for a spread about their own mean; 90 % of a normal lie within 1.645."""
+    assert small_sample(500.0, 100.0) == pytest.approx(2.776 / 1.960 * np.sqrt(5 / 4), rel=5e-4)
+    assert (BAND, BAND_SIGMAS) == (0.90, pytest.approx(1.645, rel=5e-4))

@@ -500,3 +500,19 @@ def test_files_of_a_run(tmp_path: Path):
     assert frame.points[:, 2] == pytest.approx(np.linspace(0, L, 17), abs=1e-9)
     shape = np.hypot(frame.point_data["displacement [m]"], frame.point_data["displacement_imaginary [m]"])
     assert shape.max() == pytest.approx(1.0) and shape[0].max() < 1e-12
+
+
+def test_no_mode_is_missed_between_the_discs_of_a_search():
+    """Of 450 oscillators whose frequencies are the cube roots of 1, 2, 3 .. every tenth counts: the higher, the smaller are the discs of
+    a search up to the first five."""
+    n = 450
+    problem = QuadraticEigenproblem(
+        sparse.csr_matrix(sparse.diags(np.arange(1.0, n + 1) ** (2 / 3))),
+        sparse.csr_matrix(1e-6 * sparse.eye(n)),
+        sparse.csr_matrix(sparse.eye(n)),
+        np.ones(n, dtype=bool),
+        np.ones(n),
+        1.0,
+    )
+    found = lowest_eigenvalues(problem, 5, "arpack", lambda q: np.round(q.s.imag**3) % 10 == 0)
+    assert found.s.imag[found.s.imag > 1] ** 3 == pytest.approx([10, 20, 30, 40, 50], rel=1e-6)

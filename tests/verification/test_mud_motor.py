@@ -12,9 +12,11 @@ import pytest
 from drillpetsc import Case, load_case, modes, mud_motor, run, statics
 from drillpetsc.analysis.linear.modal import modes as find_modes
 from drillpetsc.analysis.linear.modal import prepare_state
+from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.errors import CaseError
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_table
+from drillpetsc.physics.tools.mud_motor import MudMotor
 from tests.helpers.tables import each_row
 from tests.helpers.wells import newtonian, simple_well
 
@@ -444,3 +446,26 @@ def test_fluid_and_flow_rate_exclude_each_other():
     with pytest.raises(CaseError) as error:
         Case(**case)
     assert "no flow_rate with a fluid" in error.value.want
+
+
+def test_still_mud_does_not_load_the_bearing():
+    """Its pressure is the same inside and outside: the buoyed weight below the joint is left, metal without ends."""
+    case = on_bottom() | {
+        "well": simple_well(80, 0.2159, 0.0, friction=0.0),
+        "bottom": "free",
+        "initial": {"from": "statics"},
+        "fluid": newtonian(1200, 0.02, flow_rate=0.0),
+    }
+    case["string"] = [
+        case["string"][0],
+        motor(pdm={k: v for k, v in SECTION.items() if k != "flow_rate"} | {"seal_diameter": 0.06}),
+    ]
+    model = build_model(Case(**case))
+    find_equilibrium(model)
+    part = model.part(MudMotor)
+    assert part is not None
+    metal = math.pi / 4 * (0.127**2 - 0.1086**2) * (59.7 - float(model.mesh.node_depth[part.cell]))
+    pressure = 1200 * 9.80665 * float(model.mesh.node_depth[part.cell])
+    thrust = part.thrust(0.0, model.system.assembly)
+    assert thrust == pytest.approx((7850 - 1200) * 9.80665 * metal, rel=5e-3)
+    assert math.pi / 4 * 0.06**2 * pressure > 0.5 * thrust  # what the pressure inside alone would add

@@ -154,10 +154,12 @@ def test_jacobian_of_the_reamer(mode):
             assert torque == pytest.approx(whole * omega / np.hypot(omega, rounding), rel=1e-9)
     asm.v0[spin] = 3.0
     residual(system, x0, 0.0)
-    weight, *_, stored, _ = reamer.element_results(asm)
+    weight, *_, stored, heat = reamer.element_results(asm)
     assert weight > 0
     assert stored == pytest.approx(0.0 if mode == "motion" else 0.5 * weight**2 / reamer.stiffness, rel=1e-9)
     bound = next(b for b in asm.bound_blocks if b.block.name == "reamer")
+    if mode == "motion":  # what the leaning string gives, by its slope too, goes into the rock
+        assert asm.block_rows(bound, 0.0)[0, :7] @ asm.y[here[:7]] == pytest.approx(heat, rel=1e-9)
 
     def rows(x):
         asm.x[:n] = x

@@ -27,7 +27,8 @@ def items_of(model: DrillingModel, state) -> list[dict]:
     return static_summary(model, state)["rigid_items"]
 
 
-def test_a_pure_couple_has_no_side_force():
+@pytest.mark.parametrize(("axis", "key"), [(1, "couple_high [N m]"), (2, "couple_right [N m]")])
+def test_a_pure_couple_has_no_side_force(axis, key):
     """A moment M = 5 kN m on a stabilizer of l = 1 m between two pipes of L = 14.5 m, without gravity.
 
     The stabilizer turns by theta about its middle.  Its end points, a share 1/6 of its length each (Lobatto's rule with three
@@ -45,7 +46,7 @@ def test_a_pure_couple_has_no_side_force():
         bottom="clamped",
         contact={"stiffness": STIFFNESS},
         gravity=0.0,
-        loads=[{"at": 15.0, "moment": [0.0, moment, 0.0]}],
+        loads=[{"at": 15.0, "moment": [moment * (k == axis) for k in range(3)]}],
     )
     model = build_model(case)
     (item,) = items_of(model, find_equilibrium(model))
@@ -57,8 +58,25 @@ def test_a_pure_couple_has_no_side_force():
     assert item["contact_force_sum [N]"] == pytest.approx(2 * push, rel=2e-3)
     assert item["side_force [N]"] < 0.01 * 2 * push
     assert item["side_couple [N m]"] == pytest.approx(push * length, rel=2e-3)
-    # the moment turns the lower end to the high side (the hole points north, M east); the wall turns it back
-    assert item["couple_high [N m]"] == pytest.approx(-push * length, rel=2e-3)
+    # the hole points north: M east turns the lower end to the high side, M down to the right; the wall turns it back
+    assert item[key] == pytest.approx(-push * length, rel=2e-3)
+
+
+def test_a_stabilizer_that_lies_even_has_no_couple():
+    """Between two pipes that lie alike in a level hole: the couple of the wall about its middle is zero."""
+    pipe = {"kind": "pipe", "length": 49.5, "od": 0.127, "id": 0.1086, "element_length": 4.5}
+    case = Case(
+        well=hole(100.0, np.pi / 2),
+        string=[pipe, {"kind": "stabilizer", "length": 1.0, "od": 0.2149, "mass": 500.0}, pipe],
+        top="clamped",
+        bottom="clamped",
+        contact={"stiffness": STIFFNESS},
+        gravity=G,
+    )
+    model = build_model(case)
+    (item,) = items_of(model, find_equilibrium(model))
+    assert item["side_force [N]"] > 300.0 * G
+    assert item["side_couple [N m]"] < 1e-3 * item["side_force [N]"]
 
 
 def three_stabilizers() -> Case:
@@ -117,3 +135,22 @@ def test_items_off_the_wall_have_no_force():
     )  # fmt: skip
     (item,) = items_of(model, find_equilibrium(model))
     assert all(value == 0 for key, value in item.items() if key not in ("name", "md [m]"))
+
+
+def test_each_of_two_stabilizers_below_each_other_has_the_gap_of_its_own_hole():
+    """They hang below one pipe in a vertical hole that widens from 0.2159 to 0.25 m beside the upper one."""
+    widths = (100.3, 0.2159), (110.0, 0.25)
+    stabilizer = {"kind": "stabilizer", "length": 1.0, "mass": 80.0}
+    pipe = {"kind": "pipe", "od": 0.127, "id": 0.1086, "length": 100.0}
+    case = Case(
+        well=hole(110.0, 0.0)
+        | {"sections": [{"to": to, "kind": "open_hole", "diameter": d, "friction": 0.0} for to, d in widths]},
+        string=[pipe, stabilizer | {"od": 0.2}, stabilizer | {"od": 0.19}],
+        top={"kind": "top_drive"},
+        gravity=G,
+    )
+    model = build_model(case)
+    find_equilibrium(model)
+    found = static_state(model)
+    gaps = [row["gap"] for row in contact_rows(model, found.nodes, found.tangent, item_forces(model))[1:]]
+    assert gaps == pytest.approx([0.5 * (0.2159 - 0.2), 0.5 * (0.25 - 0.19)], rel=1e-6)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from scipy.optimize import brentq
 
 from drillpetsc.analysis.hydraulics import trade_formulas as trade
 from drillpetsc.analysis.hydraulics.flow_model import FlowModel, string_at, whole_string
-from drillpetsc.analysis.hydraulics.open_hole import open_hole
+from drillpetsc.analysis.hydraulics.open_hole import OpenHole, open_hole
 from drillpetsc.analysis.hydraulics.surge import (
     FASTEST,
     TOLERANCE,
@@ -361,3 +362,18 @@ def test_a_string_short_of_its_hole_trips_from_the_rig(tmp_path: Path):
     assert whole > 1.3 * short
     said = [line for line in result.lines if "top lies at MD" in line]
     assert len(said) == 1 and "984.252 ft" in said[0] and "five inch" in said[0]
+
+
+def test_margins_are_those_of_the_worst_point():
+    """Mud of 1200 kg/m3 between pore densities of 1100 and 1150 and fracture densities of 1300 and 1240."""
+    depth = np.array([100.0, 200.0])
+    hole = OpenHole(depth, depth, np.array([1100.0, 1150.0]), np.array([1300.0, 1240.0]))
+    flow = SimpleNamespace(
+        md=np.array([0.0, 300.0]),
+        pressure=lambda channel: 1200 * 9.81 * np.array([0.0, 300.0]),
+        pressure_above=lambda tvd: 0 * tvd,
+        pressure_below=lambda tvd: 0 * tvd,
+        equivalent_density=lambda pressure, tvd: pressure / (9.81 * tvd),
+    )
+    margins = hole.margins(flow)  # type: ignore[arg-type]
+    assert margins == {"frac_margin": pytest.approx(40.0), "pore_margin": pytest.approx(50.0)}

@@ -10,8 +10,11 @@ from drillpetsc import Case, run, statics
 from drillpetsc.analysis.linear.doubts import fed_by_swirl
 from drillpetsc.analysis.linear.modal import modes, moment_of, prepare_state
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.model.fluid import build_rheology, lateral_viscosity
 from drillpetsc.output import read_table
 from drillpetsc.physics.fluid.added_mass import stokes_force
+from drillpetsc.physics.fluid.mud_items import MudItems
+from drillpetsc.physics.fluid.rheology import pressure_gradient
 from tests.helpers.collar_in_mud import CASE, EXACT
 from tests.helpers.wells import simple_well
 
@@ -175,3 +178,34 @@ def test_statics_names_the_viscous_torque_that_it_leaves_out(tmp_path):
     assert f"{torque / 1000:.3g} kN m at 60 rpm, is left out" in said
     summary = statics(case.replace({"fluid.rotation_drag": False}), out=tmp_path / "none").summary
     assert not any("viscous torque" in w for w in summary["warnings"])
+
+
+def test_viscosity_and_following_of_the_mud_about_a_turning_pipe():
+    """Couette: the shear rate at the pipe is 2 w/(1 - (Do/Dw)^2), so K of a power law gives K rate^(n-1).  Axial flow makes the swirl
+    follow as fast as its wall friction would stop the flow itself: dp/ds/(rho v) (manual: eq-mud-swirl-lag)."""
+    law = {"model": "power_law", "consistency": 0.8, "index": 0.5}
+    case = Case(
+        well=simple_well(60, 0.2159),
+        string=[
+            {"kind": "pipe", "length": 50, "od": 0.127, "id": 0.1086, "element_length": 10},
+            {"kind": "bit", "length": 0.4, "od": 0.2, "mass": 60},
+        ],
+        top={"kind": "top_drive", "rotation": 10.0},
+        fluid={
+            "density": 1200,
+            "rheology": law,
+            "flow_rate": 0.02,
+            "lateral_damping_speed": 7.0,
+            "swirl_lag": True,
+        },
+    )
+    inner, outer = np.array([0.127]), np.array([0.2159])
+    rate = 2 * 7.0 / (1 - (0.127 / 0.2159) ** 2)
+    assert lateral_viscosity(case, inner, outer) == pytest.approx(0.8 / np.sqrt(rate), rel=1e-12)
+    model = build_model(case)
+    follow, speed = model.annulus.lateral.following, np.array([1.3])
+    viscous = np.pi**2 * 0.8 / np.sqrt(rate) / 1200 / (0.5 * (outer - inner)) ** 2
+    gradient = pressure_gradient(build_rheology(case), speed, outer - inner, [True], [1200.0])
+    assert follow(speed, inner, outer) - viscous == pytest.approx(gradient / (1200 * speed), rel=1e-9)
+    (item,) = model.part(MudItems).items
+    assert model.mesh.node_depth[item.node] + item.arm == pytest.approx(50.2)

@@ -12,6 +12,7 @@ from drillpetsc import Case, vibration
 from drillpetsc.cli import main
 from drillpetsc.errors import CaseError
 from drillpetsc.output import read_table
+from drillpetsc.output.indices import _drilling
 from tests.helpers.command import main_succeeds
 from tests.helpers.wells import simple_well
 
@@ -261,3 +262,18 @@ def test_too_few_rows_and_too_many_windows(tmp_path, capsys):
     dp.run(turning(10.0, 2.0), tmp_path / "s", progress="silent")
     assert main(["vibration", str(tmp_path / "s"), "--window", "1 s", "--every", "1e-6 s"]) == 2
     assert "windows in the run" in capsys.readouterr().err
+
+
+def test_the_work_of_a_torque_that_swings_with_the_speed_counts():
+    """T = T_0 + T_1 sin, w = w_0 + w_1 sin over whole periods: the mean power is T_0 w_0 + T_1 w_1/2."""
+    t, case = np.linspace(0.0, 2.0, 401), drilling()
+    swing = np.sin(2 * np.pi * t)
+    history = {
+        "time": t,
+        "bit_speed": 10 + 6 * swing,
+        "rop": 0 * t + 0.004,
+        "wob": 0 * t + 5e4,
+        "bit_torque": 3e3 + 1e3 * swing,
+    }
+    energy = _drilling(history, [slice(0, 401)], case)["mse", "Pa"]
+    assert energy == pytest.approx([5e4 / AREA + (3e4 + 3e3) / (AREA * 0.004)], rel=1e-4)

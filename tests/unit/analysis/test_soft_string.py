@@ -40,6 +40,13 @@ def test_capstan():
     )  # N = T/R, ends too
 
 
+def test_twist_of_a_torque_that_grows_evenly():
+    """Friction along an inclined string: M falls from the top to 0 at the bit, and twists it by M L/2GJ, in any step."""
+    for pieces in (1, 7):
+        result = run(hole([0, 100], [60, 60], 0.3), 100, n=pieces, **TURN)
+        assert result.twist[-1] == pytest.approx(result.surface_torque * 100 / (2 * GJ), rel=1e-9)
+
+
 @each_row(("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)])
 def test_incline(motion, load):
     """w L (cos I + a mu sin I) at I = 60 deg; rotating torque mu w sin I R L = 3992.5 N m (manual:
@@ -178,3 +185,22 @@ def test_a_string_breaks_where_its_force_grows_without_bound():
         assert found.md[shown].min() == found.locked[c] and np.abs(found.tension[shown, c]).max() < 5e7
         assert shown[np.argmax(shown) :].all() and found.locked[c] > 900.0
     assert found.locked[2] > found.locked[1]  # more friction: sooner
+
+
+def test_thrust_of_the_jets_is_weight_on_bit():
+    """Both push the lower end up: the same string."""
+    case = Case(
+        well={
+            "survey": {"md": [0, 500], "inclination": [0.0, 1.0], "azimuth": [0, 0]},
+            "sections": [{"to": 500, "kind": "open_hole", "diameter": 0.2159, "friction": 0.3}],
+        },
+        string=[{"kind": "pipe", "length": 400, "od": 0.127, "id": 0.1086}],
+        top="clamped",
+        bottom="free",
+    )
+    zero, one, push = np.zeros(2), np.ones(2), np.array([3e4, 0.0])
+    loads = Columns(
+        np.zeros(2, dtype=int), 0.3 * np.ones((2, 1)), one, push, zero, 0.3 * one, zero, one, None, push[::-1]
+    )
+    found = soft_strings(Hole(need_well(case, "roadmap"), [rows_at(case, 400.0)], 25.0), loads)
+    assert found.tension[:, 0] == pytest.approx(found.tension[:, 1], rel=1e-12, nan_ok=True)

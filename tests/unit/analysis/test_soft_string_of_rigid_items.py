@@ -9,6 +9,7 @@ from drillpetsc import Case
 from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.model.drilling_model import build_model
+from drillpetsc.model.mud_sections import mud_of_rigid_items
 from tests.helpers.tables import each_row
 from tests.helpers.wells import simple_well
 
@@ -71,3 +72,22 @@ def test_a_moment_at_the_end_is_part_of_the_torque(lean):
     soft = soft_string(build_model(case), (0.0, 3.0))
     assert soft is not None
     assert soft.surface_torque == pytest.approx(-moment @ tangent, rel=1e-6)
+
+
+def test_mud_of_rigid_items_counts_in_a_bore_without_an_annulus():
+    """Density times the bore of a tool between two pipes; below the last node there is none, as in the equations of the bit's flow."""
+    pipe = {"kind": "pipe", "length": 30, "od": OD, "id": ID}
+    tool, bit = (
+        {"kind": "body", "length": 20, "od": 0.17, "id": 0.07, "mass": 2900},
+        {"kind": "bit", "length": 0.3, "od": 0.2},
+    )
+    case = Case(
+        string=[pipe, tool, pipe, bit | {"id": 0.05, "mass": 60}],
+        top="clamped",
+        bottom="free",
+        fluid={"density": MUD, "rheology": {"model": "newtonian", "viscosity": 0.02}, "annulus": False},
+    )
+    mesh = build_model(case).mesh
+    expected = np.zeros(mesh.nodes)
+    expected[mesh.bodies[0].node] = MUD * np.pi / 4 * 0.07**2 * 20
+    assert mud_of_rigid_items(case, mesh) == pytest.approx(expected, rel=1e-12, abs=1e-9)

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from drillpetsc.analysis.hydraulics.rheology_fits import figures
 from drillpetsc.case import Case
 from drillpetsc.case.blocks.fluid import Bingham, HerschelBulkley, PowerLaw, SurfaceLine
 from drillpetsc.case.files.mud_report import DEGREE, RPM, misfit
@@ -221,3 +222,9 @@ def test_long_words_of_pv_and_yp() -> None:
     ):
         with pytest.raises(CaseError):
             rheology(wrong)
+
+
+def test_the_power_law_of_the_trade_meets_the_fast_reading():
+    """K 1022^n is the stress of 600 rpm as API rounds it, 0.511 Pa a degree (API RP 13D: K = 5.11 R600/1022^n, in dyn s^n/cm2)."""
+    found = figures(rheology({"dial": {"600": 65, "300": 39}}))
+    assert found["pipe_consistency"] * 1022 ** found["pipe_index"] == pytest.approx(0.511 * 65, rel=1e-12)

@@ -142,3 +142,14 @@ def test_angles_do_not_depend_on_where_arrays_stand_in_memory():
         if len(kept) > 200:
             del kept[::2]
     assert len(found) == 1
+
+
+def test_rates_of_a_hole_that_builds_and_turns():
+    """Build and turn rate between (20, 10) and (50, 40) deg over 100 m: 30 deg, and 30 deg times sin 35 deg (eq-borehole-rates)."""
+    well = Well.from_survey(
+        [0.0, 100.0, 200.0], *np.radians([[20.0, 20.0, 50.0], [10.0, 10.0, 40.0]]), [200.0], [0.1], [0.3]
+    )
+    found = new_hole(well, 100.0)
+    assert found is not None
+    assert np.degrees(found.build_rate) == pytest.approx(0.3)
+    assert np.degrees(found.turn_rate) == pytest.approx(0.3 * np.sin(np.radians(35.0)))

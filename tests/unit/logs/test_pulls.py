@@ -26,9 +26,11 @@ def test_a_pull_is_given_while_it_is_held_and_when_it_ends():
 
 
 def test_what_is_not_a_pull():
-    """Rows in slips; a rise of 40 kN; a load that rises along more than six metres; rows without a load."""
+    """Rows in slips; a rise of 40 kN; a load that rises along more than six metres; rows without a load; one that only falls."""
     assert not taken(RISE, hangs=False)
     assert not taken([(t, z, 900 + (f - 900) / 5) for t, z, f in RISE] + [(30.0, 0.5, 930.0)])
     slow = [(float(t), 0.3 * t, 900 + t) for t in range(300)]
     assert not taken([*slow, (310.0, 90.0, 1000.0)])
     assert not taken([(t, z, float("nan")) for t, z, f in RISE])
+    falls = [(float(k), 0.05 * k, 3000 - 8.0 * k) for k in range(8)]
+    assert not taken([*falls, (8.0, 0.2, 500.0)])

@@ -10,6 +10,7 @@ from petsc4py import PETSc
 
 from drillpetsc import Case
 from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.fem.component import Powers
 from drillpetsc.fem.quantity import Quantity, Sample
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.balances.energy_balance import EnergyBalance
@@ -141,6 +142,17 @@ def test_work_that_was_given_back_counts_as_exchanged() -> None:
     balance.step(0.0, 0.5, (0.0, -2.0))
     assert balance.supplied == pytest.approx(0.0)
     assert balance.exchanged == pytest.approx(2.0)
+
+
+def test_energy_that_a_change_of_law_releases_is_heat() -> None:
+    """A latch lets go of 0.3 J of the 0.5 J that are stored: turned into heat, and the balance stays closed."""
+    balance = EnergyBalance(Oscillator())  # type: ignore[arg-type]
+    balance.start(0.0, (0.0, 0.0))
+    balance.before_event(1.0)
+    balance.system.energies = lambda t: (0.2, 0.0, 0.0)  # type: ignore[method-assign,assignment]
+    balance.system.powers = lambda t: Powers()  # type: ignore[attr-defined,method-assign]
+    balance.after_event(1.0)
+    assert balance.dissipated == pytest.approx(0.3) and balance.error == pytest.approx(0.0)
 
 
 def test_work_of_an_impulse_closes_the_balance() -> None:

@@ -9,8 +9,9 @@ import pytest
 
 from drillpetsc import Case, top_drive
 from drillpetsc.output import read_table
-from drillpetsc.physics.top.control import Law, Motor, reflection
+from drillpetsc.physics.top.control import Law, Motor, reflection, top_impedance
 from tests.helpers import top_drive_models as m
+from tests.helpers.component_models import build
 from tests.helpers.tables import each_row
 
 FREQUENCIES = np.array([0.05, 0.1, 0.2, 0.3, 0.5, 1.0])
@@ -56,3 +57,39 @@ def test_the_command_writes_the_same(tmp_path):
     assert summary["control"][1]["reflection"] == pytest.approx(0.6)
     # pipe held at its top, free below: c/4L
     assert summary["torsional_frequency"] == pytest.approx(m.SPEED / 8000, rel=1e-3)
+
+
+@each_row(
+    "kind",
+    [
+        "motor_pi",
+        "motor_soft_delay",
+        "motor_ztorque_direct_delay",
+        "motor_ztorque_lag_delay",
+        "motor_ztorque_estimated",
+    ],
+)
+def test_rows_of_the_drive_have_the_impedance_of_the_law(kind):
+    """Torque of the pipe over the speed of the top, from the rows of motor and controller, states eliminated; the delay's two
+    states follow it to (s d)^5/720 (Pade), here 3e-6."""
+    system, t, frequency = build(kind), 0.4, 0.3 / (0.6 * 2 * np.pi)
+    asm, drive = system.assembly, system.components[-1]
+    ready = next(b for b in asm.bound_blocks if b.block.name == "top_motor")
+    index = ready.index[0]
+    here = [
+        6,
+        *(k for k in range(7, len(index)) if index[k] != system.layout.size),
+    ]  # spin and the states that there are
+    start, columns = asm.block_rows(ready, t)[0].copy(), []
+    for values in (asm.x, asm.y, asm.a):
+        own = []
+        for k in here:
+            values[index[k]] += 1e-3
+            own.append((asm.block_rows(ready, t)[0] - start)[here] / 1e-3)
+            values[index[k]] -= 1e-3
+        columns.append(np.array(own).T)
+    s = 2j * np.pi * frequency
+    S = columns[0] + s * columns[1] + s**2 * columns[2]
+    impedance = (S[0, 0] - S[0, 1:] @ np.linalg.solve(S[1:, 1:], S[1:, 0])) / s
+    expected = top_impedance(drive.laws[0], drive.motor, np.array([frequency]))[0]
+    assert abs(impedance / expected - 1) < 1e-4

@@ -39,6 +39,13 @@ def test_the_normals_do_not_rotate_about_the_tangent(depth: float) -> None:
         assert rate[k] == pytest.approx(expected, abs=3e-6)
 
 
+def test_normals_that_are_given_begin_there_and_stay_right_handed() -> None:
+    t, one, two = HolePath(helix_well()).at(33.0).axes
+    path = HolePath(helix_well(), 33.0, 0.6 * one + 0.8 * two)
+    assert path.at(33.0).axes == pytest.approx(np.array([t, 0.6 * one + 0.8 * two, 0.6 * two - 0.8 * one]))
+    assert np.linalg.det(path.at(215.3).axes) == pytest.approx(1.0)
+
+
 def test_the_path_depends_on_the_depth_only() -> None:
     forth, back = HolePath(helix_well()), HolePath(helix_well())
     depths = np.linspace(-10, 620, 40)

@@ -31,6 +31,10 @@ def test_speed_and_pressure_at_30_litres_a_second(torque, rpm, megapascal):
 def test_efficiency_stall_and_ideal_torque():
     """C12: hydraulic efficiency, pressure of the stall, torque per pressure of an ideal motor, speed at 600 gpm."""
     assert MOTOR.efficiency(8e3, 0.03) == pytest.approx(0.67056, rel=1e-4)
+    past = MotorLaw(
+        0.29 / GALLON, 0.85, 0.6e6, 14e3, 4.0, bypass=0.005
+    )  # what its nozzle lets past drives nothing
+    assert past.efficiency(8e3, 0.035) == pytest.approx(MOTOR.efficiency(8e3, 0.03), rel=1e-4)
     assert MOTOR.point(1.01 * 14e3, 0.03).differential_pressure == pytest.approx(8.5282e6, rel=1e-4)
     ideal = MotorLaw(0.29 / GALLON, 1.0, 0.0, 14e3)
     pressure = ideal.point(7161.8, 0.03).differential_pressure
@@ -38,6 +42,14 @@ def test_efficiency_stall_and_ideal_torque():
     assert 7161.8 / pressure == pytest.approx(2.077472e-3, rel=1e-4)
     assert 7161.8 / FOOT_POUND == pytest.approx(5282, rel=1e-4)
     assert ideal.free_speed(600 * GALLON / 60) == pytest.approx(174 * RPM, rel=1e-4)
+
+
+def test_below_the_lowest_measured_flow_speed_and_pressure_fall_to_zero():
+    """One curve of two points at 20 l/s, and a motor at rest without flow: half of speed and no-load pressure at 10 l/s."""
+    curve = MeasuredCurve(0.02, np.array([0.0, 8e3]), np.array([0.9e6, 4e6]), np.array([12.0, 0.0]))
+    point = MotorLaw(curves=[curve]).point(0.0, 0.01)
+    assert point.speed == pytest.approx(6.0, rel=2e-4)
+    assert point.differential_pressure == pytest.approx(0.45e6, rel=2e-4)
 
 
 def test_the_other_form_of_the_law():

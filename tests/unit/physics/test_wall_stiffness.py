@@ -64,3 +64,25 @@ def test_each_part_of_a_string_has_its_stiffness(kind, young, column):
     assert cells[0] == pytest.approx(TABLE[0][4][column], rel=0.05)
     assert cells[-1] == pytest.approx(TABLE[2][4][column], rel=0.05)
     assert bodies[0] == pytest.approx(TABLE[3][4][column], rel=0.05)
+
+
+def test_tool_joints_touch_over_their_length():
+    """Tool joints twice as long on joints of the same length: twice the stiffness per length of pipe."""
+    found = []
+    for length in (0.3, 0.6):
+        joint = {"od": 0.168, "id": 0.08, "length": length}
+        pipe = {
+            "kind": "drill_pipe",
+            "od": 0.127,
+            "id": 0.1086,
+            "length": 98.0,
+            "joint_length": 9.6,
+            "tool_joint": joint,
+        }
+        case = string_in("open_hole")
+        model = build_model(
+            case.replace({"string": [pipe, {"kind": "bit", "od": HOLE, "length": 0.3, "mass": 50.0}]})
+        )
+        found.append(model.contact.law.stiffness * model.contact.hardness[0][0])
+    assert found[1] == pytest.approx(2 * found[0], rel=1e-9)
+    assert found[0] == pytest.approx(TABLE[1][4][1] * 0.3 / 9.6, rel=0.05)

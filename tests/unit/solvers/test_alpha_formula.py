@@ -240,3 +240,40 @@ def test_local_error_of_a_cubic(radius):
     assert errors.local_errors(times, values) == pytest.approx(expected, rel=1e-9, abs=1e-12)
     weights = [errors.weights(times[k : k + 4].tolist()) @ values[k : k + 4] for k in range(3)]
     assert np.array(weights) == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@each_row("radius", [0.0, 0.3, 1.0])
+def test_error_of_a_position_in_a_step(radius):
+    """x = t^3 with accelerations 6 t that lead: the formula misses it by C h^3 times the third derivative; 1/12 of the trapezoidal rule."""
+    q, t, h = AlphaFormula(radius), 0.7, 0.2
+    earlier, later = (6 * (end + q.lead * h) for end in (t, t + h))
+    moved = t**3 + h * 3 * t**2 + h**2 * ((0.5 - q.beta) * earlier + q.beta * later)
+    assert abs((t + h) ** 3 - moved) == pytest.approx(6 * h**3 * q.error_constants[0], rel=1e-9)
+    if radius == 1.0:
+        assert q.error_constants[0] == pytest.approx(1 / 12)
+
+
+@each_row("radius", [0.0, 0.8, 1.0])
+def test_error_of_a_first_order_unknown_over_uneven_steps(radius):
+    """t^3 over steps of 0.1 and 0.25: the error of the second is C h^3 times the third derivative, 6."""
+    formula = AlphaFormula(radius)
+    history, t, zero = AlphaHistory(formula, np.array([False])), 0.3, np.zeros(1)
+    history.start(np.array([t**3]), np.array([3 * t**2]), zero, zero, zero)
+    for step in (0.1, 0.25):
+        t += step
+        state = np.array([t**3]), np.array([3 * t**2]), zero
+        history.advance(step, *map(pointer, state))
+        error = abs(history.error[0])
+        history.accept()
+    assert error == pytest.approx(6 * formula.error_constants[1] * 0.25**3, rel=1e-9)
+
+
+def test_a_jump_at_the_start_is_a_start_after_it():
+    """Of unknowns of second and of first order: every row of the history."""
+    formula, two = AlphaFormula(0.6), np.array([True, False])
+    x, y, w, rate, second, change, more = np.random.default_rng(3).standard_normal((7, 2))
+    jumped, begun = AlphaHistory(formula, two), AlphaHistory(formula, two)
+    jumped.start(x, y, w, rate, second)
+    jumped.jump(change, more)
+    begun.start(x, y + np.where(two, 0.0, change), w + change, rate, second + more)
+    assert jumped.values == pytest.approx(begun.values, abs=1e-14)
