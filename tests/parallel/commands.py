@@ -445,7 +445,7 @@ SENSITIVITIES = {
     ),
     # a number of samples that the ranks do not divide
     "uncertain": Row(
-        "uncertain|--samples|10",
+        "uncertain|--samples|20",
         LIMITS + uncertain.ROADMAP + "uncertain:\n" + uncertain.FRICTION + uncertain.DENSITY + PATH_OF_SURVEY,
         same_samples,
         (3,),

@@ -7,7 +7,7 @@ import pytest
 from drillpetsc import load_case
 from drillpetsc.analysis.motion.transient import run
 from drillpetsc.output import read_table
-from tests.parallel.matrix import TOP_DRIVE
+from tests.parallel.rows.machines import TOP_DRIVE
 
 
 @pytest.mark.parametrize("how", ["restart", "initial.from"])
