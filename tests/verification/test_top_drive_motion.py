@@ -177,7 +177,7 @@ def test_stick_slip_and_its_cure(tmp_path):
 
     The cycle is compared with ``reference``, which has the program's law of the bit (manual: eq-bit-torque-weakening): SSI 3 %,
     mean period 1 %.  The undamped string beats over 36 s, and the SSI depends on how the law is rounded at rest: 1.19 with
-    w/hypot(w, 0.06), 1.21 with tanh(w/0.06), 1.24 with the program's, on 100 elements.
+    w/hypot(w, 0.06), 1.21 with tanh(w/0.06), 1.23 with the program's, on 100 elements.
     """
     laws = [m.STIFF, {**m.SOFT, "from": 180.0}, {**m.COMPENSATED, "from": 220.0}]
     case = m.on_bottom(laws, 100 * m.RPM, 50, contact="none")
