@@ -198,9 +198,7 @@ def test_thrust_of_the_jets_is_weight_on_bit():
         top="clamped",
         bottom="free",
     )
-    zero, one, push = np.zeros(2), np.ones(2), np.array([3e4, 0.0])
-    loads = Columns(
-        np.zeros(2, dtype=int), 0.3 * np.ones((2, 1)), one, push, zero, 0.3 * one, zero, one, None, push[::-1]
-    )
+    push = np.array([3e4, 0.0])
+    loads = Columns(np.zeros(2, dtype=int), 0.3 * np.ones((2, 1)), push, 0.0, 0.3, 0.0, thrust=push[::-1])
     found = soft_strings(Hole(need_well(case, "roadmap"), [rows_at(case, 400.0)], 25.0), loads)
     assert found.tension[:, 0] == pytest.approx(found.tension[:, 1], rel=1e-12, nan_ok=True)
