@@ -21,12 +21,12 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
-from drillpetsc.solvers.static.relaxation import come_to_rest
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.hole import build_well
 from drillpetsc.output import read_table
+from drillpetsc.solvers.static.relaxation import come_to_rest
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
