@@ -105,11 +105,12 @@ class Rest(Moment):
 class Solved(Moment):
     """Statics has found an equilibrium, for any command.
 
-    lateral_friction_failed: no state with lateral friction.
+    top_unplaced: the place of the top across the hole was not found.  lateral_friction_failed: no state with lateral friction.
     below_hole: distance of a free end below the end of the hole [m], zero if it is not there.
     negative_pivots: count, 0 for a state whose stability is not reported; singular: the stiffness is.
     """
 
+    top_unplaced: bool = False
     lateral_friction_failed: bool = False
     below_hole: float = 0.0
     negative_pivots: int = 0

@@ -56,6 +56,16 @@ def deep_in_wall(at: Answer | End) -> Values:
 
 
 @doubt(
+    "the place of the top across the hole was not found: it is held on the wall, and long elements below it may carry its side "
+    "force as contact (side force, torque and moment near the top)",
+    "Use shorter elements below the top, and do not read side forces there.",
+)
+def top_on_wall(at: Solved) -> Values:
+    """Statics has not found the place of the top across the hole, and holds it on the wall."""
+    return at.top_unplaced
+
+
+@doubt(
     "no equilibrium with lateral friction (a turning pipe may whirl here): the torque of friction acts, its lateral force is left "
     "out",
     "Torque and drag are as usual in the trade. Simulate the motion with `run` to see whether the string whirls.",

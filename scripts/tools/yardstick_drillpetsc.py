@@ -21,12 +21,12 @@ from drillpetsc.analysis.loads.torque_drag.string_rows import rows_at
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import come_to_rest
 from drillpetsc.case.blocks.roadmap import MeasuredPoint
 from drillpetsc.case.files.mud_report import api_annulus, by_rules
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.model.hole import build_well
 from drillpetsc.output import read_table
-from drillpetsc.solvers.static.relaxation import come_to_rest
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -123,7 +123,7 @@ def mitchell(problem: Problem) -> Found:
     for end, offset in ((model.top, around[0]), (held, around[-1])):
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
     model.contact.impose_sliding_direction(0.0, 0.0)
-    come_to_rest(StaticNewton(system, clearance=clearance), Equilibrium())
+    come_to_rest(model, StaticNewton(system, clearance=clearance), Equilibrium())
     middle = slice(elements // 4, 3 * elements // 4)
     cells, _ = model.contact.element_results(system.assembly)
     position = system.field("string.position")

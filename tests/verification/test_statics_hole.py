@@ -15,11 +15,11 @@ from drillpetsc import Case, run
 from drillpetsc.analysis.statics.answer import static_summary
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import come_to_rest
 from drillpetsc.case import load_case
 from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output import read_frame, read_series
 from drillpetsc.output.static_table import static_table
-from drillpetsc.solvers.static.relaxation import come_to_rest
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 from tests.helpers.bit_models import DRAG, drilling
 from tests.helpers.buckling import buckling_load
@@ -334,7 +334,7 @@ def test_contact_force_of_a_helix():
         end.anchor += end.prescribed()[0].directions[:, :3] @ offset
     model.contact.impose_sliding_direction(0.0, 0.0)
     solver = StaticNewton(system, clearance=CLEARANCE)
-    come_to_rest(solver, Equilibrium())
+    come_to_rest(model, solver, Equilibrium())
     assert solver.negative_pivots() == 0
     middle = slice(elements // 4, 3 * elements // 4)
     cells, _ = model.contact.element_results(system.assembly)

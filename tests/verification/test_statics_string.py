@@ -17,8 +17,8 @@ from scipy.optimize import brentq, fsolve
 from drillpetsc import Case
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import place_along_hole
+from drillpetsc.analysis.statics.relaxation import come_to_rest
 from drillpetsc.model.drilling_model import build_model
-from drillpetsc.solvers.static.relaxation import come_to_rest
 from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 HORIZONTAL = {"inclination": np.pi / 2}
@@ -55,7 +55,7 @@ def load_in_steps(model, steps: int) -> Equilibrium:
     solver, report = StaticNewton(model.system), Equilibrium()
     for k in range(1, steps + 1):
         solver.t = k / steps
-        come_to_rest(solver, report)
+        come_to_rest(model, solver, report)
         model.system.renew_reference_frames()
     return report
 
@@ -104,7 +104,7 @@ def test_reference_update_changes_nothing_physical():
     solver = StaticNewton(model.system)
     for k in range(1, 9):
         solver.t = k / 8
-        come_to_rest(solver, Equilibrium())
+        come_to_rest(model, solver, Equilibrium())
     system = model.system
     rng = np.random.default_rng(2)
     system.assembly.x[:-1] += 1e-3 * rng.standard_normal(system.layout.size)
@@ -235,7 +235,7 @@ def test_bend_of_45_degrees(load):
         rod(BEND_LENGTH, 8, BEND_EA, BEND_EI, BEND_GJ, curvature=1 / RADIUS, curvature_angle=-np.pi / 2),
         [{"at": BEND_LENGTH, "force": [0, 0, load], "value_over": RISE}],
     )
-    come_to_rest(StaticNewton(model.system), Equilibrium())  # no load: the rod takes its curved shape
+    come_to_rest(model, StaticNewton(model.system), Equilibrium())  # no load: the rod takes its curved shape
     arc = RADIUS * np.array([np.sin(np.pi / 4), np.cos(np.pi / 4) - 1, 0])
     assert np.abs(model.system.field("string.position")[-1] - arc).max() < 0.03
     load_in_steps(model, 2)

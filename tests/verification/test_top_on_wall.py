@@ -69,3 +69,11 @@ def test_straight_inclined_hole():
     up = high_side(tangent)
     angle = np.arctan2(abs(offset @ np.cross(tangent, up)), -offset @ up)
     assert np.tan(angle) == pytest.approx(0.3, rel=0.01)
+
+
+def test_a_place_that_is_not_found_is_said(monkeypatch):
+    """The state is then that of the top where the march put it, and a warning says so."""
+    monkeypatch.setattr("drillpetsc.analysis.statics.equilibrium.balance_across", lambda *arguments: False)
+    model = build_model(case(10.6, [0.0, 0.0, 48.0, 48.0]), PETSc.COMM_WORLD, MOTIONS["hoist"])
+    state = find_equilibrium(model, MOTIONS["hoist"])
+    assert any("held on the wall" in line for line in state.warnings)

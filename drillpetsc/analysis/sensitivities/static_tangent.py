@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from drillpetsc.analysis.statics.placement import (
 )
 from drillpetsc.analysis.statics.static_problem import StaticState
 from drillpetsc.analysis.statics.steady_flow import STORAGE_WEIGHT
-from drillpetsc.analysis.statics.top_on_wall import free_across
+from drillpetsc.analysis.statics.top_on_wall import ACROSS, hold_where_it_lies
 from drillpetsc.arrays import FloatArray
 from drillpetsc.case.case import Case
 from drillpetsc.errors import CaseError, SolveError
@@ -59,7 +60,7 @@ class StaticTangent:
         self.top = model.top.anchor - start
         self.x = model.system.assembly.x.copy()
         self.solver = self._solver(model)
-        with free_across(state.top_lies, model):
+        with self._top_free(model):
             self.solver.rows()
             self.solver.factor_here()
         self._contacts = [flags.values.copy() for flags in model.system.contact_flags]
@@ -81,6 +82,23 @@ class StaticTangent:
         for component in model.components:
             component.impose_sliding_direction(*motion, self.state.lateral_fraction, 0.0)
 
+    @property
+    def _top_held(self) -> bool:
+        """Whether the top lies where the march put it, which depends on the key: its place was not found by the equilibrium."""
+        moved = len(self.top) > 2 and bool(np.abs(self.top[1:3]).max() > 1e-9)
+        return moved and not self.state.top_lies
+
+    @contextmanager
+    def _top_free(self, *models: DrillingModel) -> Iterator[None]:
+        """Leave the place across the hole of a top that lies on the wall to the equilibrium, as statics did."""
+        for model in models:
+            model.system.assembly.release(ACROSS if self.state.top_lies else ())
+        yield
+        for model in models:
+            model.system.assembly.release(())
+            if self.state.top_lies:
+                hold_where_it_lies(model)
+
     def near(
         self,
         points: Sequence[Point],
@@ -93,7 +111,7 @@ class StaticTangent:
         """
         models = [build(point.case) for point in points]
         near = models if sources is points else [build(q.case) for q in sources]
-        with free_across(self.state.top_lies, self.model, *models, *near):
+        with self._top_free(self.model, *models, *near):
             self.solver.rows()
             fresh = [model.top.anchor.copy() for model in near]
             along, gradients, moved = self._along_hole(sources, near), [], []
@@ -110,7 +128,7 @@ class StaticTangent:
                 solver = self._take(model, self.x[:-1] + point.change * step[:-1], point.change * step[-1])
                 rows.append(self._rows_of(solver))
             bends = self._bends(points, rows, step) or self._opens(models)
-        return models, bends
+        return models, bends or self._top_held
 
     def _along_hole(self, points: Sequence[Point], models: Sequence[DrillingModel]) -> FloatArray:
         """(n,) derivative of the unstrained string along the hole by the key: a guess with which contacts stay closed where the hole moves."""
@@ -127,7 +145,7 @@ class StaticTangent:
 
         Raises SolveError if no stable state is near, or if the place of the top is part of the state.
         """
-        if self.state.top_lies:
+        if self.state.top_lies or self._top_held:
             raise SolveError("the top lies on the wall")
         solver, report = self._take(model, self.x), Equilibrium()
         solver.newton(report, near=True)

@@ -14,11 +14,13 @@ from drillpetsc.analysis.statics.path.path_answer import PathKind
 from drillpetsc.analysis.statics.path.path_question import has_path, refuse_path
 from drillpetsc.analysis.statics.path.paths_of_problem import answer_by_path, node_clearance, steps_in_hole
 from drillpetsc.analysis.statics.placement import is_slanted, place_along_hole, prescribed_motion, top_depth
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import CRUSHING_STRAIN, March, Marcher
 from drillpetsc.analysis.statics.start.soft_string_start import soft_string
 from drillpetsc.analysis.statics.static_problem import StaticProblem, StaticState
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
-from drillpetsc.analysis.statics.top_on_wall import free_across
+from drillpetsc.analysis.statics.top_on_wall import balance_across
 from drillpetsc.case.quantities import largest, said
 from drillpetsc.doubts import doubts_at
 from drillpetsc.doubts.moments import Solved
@@ -28,7 +30,6 @@ from drillpetsc.output.watches.free_end import FreeEnd, end_is_free
 from drillpetsc.output.watches.outside_hole import HINT, may_leave_hole
 from drillpetsc.parallel import total
 from drillpetsc.physics.tools.mud_motor import MudMotor
-from drillpetsc.solvers.static.relaxation import FIRST_DRAG, come_to_rest
 from drillpetsc.solvers.static.search_limit import SearchEnded, SearchLimit
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Equilibrium, StaticNewton
 from drillpetsc.unit_systems import display, display_unit, shown
@@ -75,16 +76,17 @@ def director_equilibrium(
     if path is not None:
         answer_by_path(problem, path)
     else:
-        state.top_lies = found is not None and found.top_on_wall and model.top.prescribes
         try:
-            with free_across(state.top_lies, model):
-                _newton_with_flow(problem)
+            _newton_with_flow(problem)
         except SolveError as error:
             fallen = HINT if is_slanted(model) and may_leave_hole(model) else ""
             error.hint = fallen or _free_end_hint(model, found) or error.hint
             raise
-    no_lateral_friction = False
+    placed, no_lateral_friction = True, False
     if state.path is None:
+        lies = found is not None and found.top_on_wall and model.top.prescribes
+        state.top_lies = lies and balance_across(model, solver, report)
+        placed = state.top_lies or not lies
         problem.set_friction_aside()  # stability is counted without it
         count = solver.negative_pivots()
         no_lateral_friction = lateral_friction and problem.moves and not state.lateral_fraction
@@ -98,6 +100,7 @@ def director_equilibrium(
     state.warnings += doubts_at(
         Solved(
             model=model,
+            top_unplaced=not placed,
             lateral_friction_failed=no_lateral_friction,
             below_hole=float(total(model.system.comm, FreeEnd(model).below_bottom())),
             negative_pivots=report.negative_pivots if state.path is None else 0,
@@ -135,7 +138,7 @@ def _posed(
     solver = StaticNewton(
         model.system, node_clearance(model), advance=steps_in_hole(model), symmetric=model.conservative
     )
-    solver.rates, solver.top = surge, model.top
+    solver.rates = surge
     if path is None:  # a user who asks for a path waits for it
         solver.limit = SearchLimit(model.mesh.nodes)
     if model.case.initial.wob is not None:
@@ -148,7 +151,7 @@ def _posed(
         lowering,
         found,
         straight,
-        solver.save(),
+        Snapshot(model),
     )
 
 
@@ -194,7 +197,7 @@ def _without_side_loads(problem: StaticProblem) -> None:
                 asm.dead_load = share * load if share else None
                 problem.impose(fraction)
                 if model.fluid is None:
-                    come_to_rest(solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
+                    come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
                 else:
                     couple_flow_and_string(model, solver, report, problem.lowering)
             problem.set_friction_aside()
@@ -225,7 +228,7 @@ def _answer_by_newton(problem: StaticProblem) -> None:
                 error.what = f"no static state was found of a string that coils in its hole ({error.what})"
         if ended or model.parts(MudMotor) or not any(state.motion) or not has_path(model, state.motion):
             raise
-        problem.origin()
+        problem.origin.restore()
         answer_by_path(problem, "sliding")
 
 
@@ -301,4 +304,4 @@ def set_weight_on_bit(model: DrillingModel, solver: StaticNewton, wob: float) ->
         present, gradient = bit.depth_of_face(system.assembly)
         return present, gradient, target
 
-    solver.depth, solver.top = depth, top
+    solver.depth, solver.move_top = depth, top.shift

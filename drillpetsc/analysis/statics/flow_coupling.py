@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from drillpetsc.analysis.statics.placement import hole_at_string, share_of_top
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.steady_flow import STORAGE_WEIGHT, fluid_unknowns, steady_flow
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
@@ -42,7 +43,7 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
 
     Returns False, with the state restored, if it does not converge.
     """
-    system, start = model.system, solver.save()
+    system, start = model.system, Snapshot(model)
     fluid = fluid_unknowns(system)
     for component in system.components:  # the flow's hole is that at the string's present place
         component.locate_hole(system.assembly)
@@ -51,7 +52,7 @@ def _flow_and_string_together(model: DrillingModel, solver: StaticNewton, report
     try:
         solver.newton(report)
     except SolveError:
-        start()
+        start.restore()
         return False
     finally:
         solver.rate_weight = 0.0

@@ -5,24 +5,20 @@ Manual: sec-statics-sequence, whose table is read from top to bottom.
 
 from __future__ import annotations
 
-import numpy as np
-
 from drillpetsc.analysis.statics.imperfection import side_load_size
 from drillpetsc.analysis.statics.path.paths_of_problem import slides_on
+from drillpetsc.analysis.statics.relaxation import FIRST_DRAG, come_to_rest, fall
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.lateral_start import lateral_start
-from drillpetsc.analysis.statics.start.march import March, place_marched
+from drillpetsc.analysis.statics.start.march import place_marched
 from drillpetsc.analysis.statics.static_problem import StaticProblem
 from drillpetsc.arrays import FloatArray
 from drillpetsc.errors import SolveError
-from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.output.watches.coarse_mesh import too_coarse
 from drillpetsc.solvers.static.lateral_loads import lateral_loads
-from drillpetsc.solvers.static.relaxation import FIRST_DRAG, SOFT_INCREMENT, come_to_rest
-from drillpetsc.solvers.static.static_newton import Equilibrium, StaticNewton
 
 START_INCREMENT = 0.1  # of a state from which a solve with the flow starts
 STRONG_LOAD = 0.01  # side loads over the weight if the requested ones do not lead to a stable state
-SOFT_PENETRATION = 0.05  # of the softest wall, as a share of the clearance
 BUCKLED_STEPS = 15  # of Newton's method from a buckled lateral equilibrium, which is close to the state
 NEAR_STEPS, NEAR_INCREMENT = 6, 10.0  # of its first steps, and the increment that they reach from there
 LATERAL_FAILED = 10  # steps of a relaxation from there that may fail
@@ -37,7 +33,7 @@ def reach(problem: StaticProblem) -> None:
     """
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     fraction, saddle, asm = model.case.initial.imperfection, None, model.system.assembly
-    problem.origin()
+    problem.origin.restore()
     if problem.found is not None and problem.straight is not None:
         start = lateral_start(problem.straight, problem.found, solver.limit)
         if start is not None and start.side_loads is not None:
@@ -48,19 +44,19 @@ def reach(problem: StaticProblem) -> None:
             restore()
             start = None
         place_marched(model, problem.straight if start is None else start.march)
-    placed, failure = solver.save(), SolveError("no static state was found")
+    placed, failure = Snapshot(model), SolveError("no static state was found")
     strengths = (0.0,) if not fraction or too_coarse(model) else (0.0, fraction, max(fraction, STRONG_LOAD))
     for strength in strengths:
         try:
             if strength:
-                placed()
+                placed.restore()
                 asm.dead_load = lateral_loads(model.system, strength / fraction * side_load_size(model))
                 report.imperfection = strength
                 # without friction the loads have an energy, down which a column leans further than any Newton step from straight
-                _fall(model, solver, report, solver.start_increment, problem.found)
+                fall(model, solver, report, solver.start_increment, problem.found)
             problem.impose(_fractions(problem)[0])
             try:
-                come_to_rest(solver, report, solver.start_increment)
+                come_to_rest(model, solver, report, solver.start_increment)
             finally:
                 problem.set_friction_aside()
             _add_side_force(problem, climbs=True)
@@ -87,7 +83,7 @@ def _from_buckled(problem: StaticProblem, side_loads: FloatArray) -> bool:
     model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     model.system.assembly.dead_load = lateral_loads(model.system, side_loads)
     report.imperfection = model.case.initial.imperfection
-    placed = solver.save()
+    placed = Snapshot(model)
     for near in (True, False):
         problem.impose(_fractions(problem)[0])
         try:
@@ -95,14 +91,14 @@ def _from_buckled(problem: StaticProblem, side_loads: FloatArray) -> bool:
                 solver.newton(report, NEAR_INCREMENT, NEAR_STEPS)
                 solver.newton(report, solver.start_increment, BUCKLED_STEPS, near=True)
             else:
-                come_to_rest(solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
+                come_to_rest(model, solver, report, solver.start_increment, FIRST_DRAG, LATERAL_FAILED)
             problem.set_friction_aside()
             if not solver.negative_pivots():
                 _add_side_force(problem, climbs=False)  # it may leave a buckled string without a state
                 return True
         except SolveError:
             problem.set_friction_aside()
-        placed()  # what a failed solve leaves is no start for the next
+        placed.restore()  # what a failed solve leaves is no start for the next
         # a helix may creep along the wall for ever: it has no state, and a relaxation would not end
         if near and slides_on(problem):
             return True
@@ -116,7 +112,7 @@ def _fractions(problem: StaticProblem) -> tuple[float, float]:
 
 def _add_side_force(problem: StaticProblem, climbs: bool) -> None:
     """Add the side force of friction, if there is a state with it; climbs: relax if Newton's method fails."""
-    solver, report = problem.solver, problem.state.equilibrium
+    model, solver, report = problem.model, problem.solver, problem.state.equilibrium
     solver.limit.begin_again()  # there is a state: the limit of the search is none of its side force and flow
     first, full = _fractions(problem)
     if full == first:
@@ -125,7 +121,7 @@ def _add_side_force(problem: StaticProblem, climbs: bool) -> None:
     problem.impose(full)
     try:
         if climbs:
-            come_to_rest(solver, report, solver.start_increment, most_failed=LATERAL_FAILED)
+            come_to_rest(model, solver, report, solver.start_increment, most_failed=LATERAL_FAILED)
         else:
             solver.newton(report, solver.start_increment)
     except SolveError:
@@ -133,28 +129,3 @@ def _add_side_force(problem: StaticProblem, climbs: bool) -> None:
         solver.limit.begin_again()
     finally:
         problem.set_friction_aside()
-
-
-def _fall(
-    model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float, found: March | None
-) -> None:
-    """Let a string whose loads have an energy come to rest downhill, while the wall becomes stiff; collective.
-
-    The softest wall yields by ``SOFT_PENETRATION`` under the force r F^2/4EI of a helix under the largest push F
-    (Lubinski, Althouse and Logan, JPT 14(6), 1962); manual: sec-statics-stiffening.
-
-    found: march of the string, in which a push at the top may not pass; None: no wall.  Others: as for ``come_to_rest``.
-    """
-    contact, force, softest = model.contact, model.case.top.force, 1.0
-    if contact is not None and found is not None and contact.law.law == "linear":
-        push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0))
-        stiffness = float(np.min(model.mesh.bending_stiffness[~model.mesh.is_joint]))
-        softest = max(push, 0.0) ** 2 / (4 * stiffness * SOFT_PENETRATION * contact.law.stiffness)
-    if contact is not None and 0 < softest < 0.1:
-        try:
-            for factor in np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1]:
-                contact.set_stiffness(factor)
-                come_to_rest(solver, report, SOFT_INCREMENT, downhill=True)
-        finally:
-            contact.set_stiffness(1.0)
-    come_to_rest(solver, report, tolerance, downhill=True)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from drillpetsc.analysis.statics.path.path_answer import PathAnswer
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import HelixBand, March
 from drillpetsc.analysis.statics.start.soft_string import TorqueDrag
 from drillpetsc.model.drilling_model import DrillingModel
@@ -50,7 +51,7 @@ class StaticProblem:
     fraction: lateral friction fraction that is asked for [-].
     lowering: speed at which the top lowers the string [m/s].
     found, straight: the march of a string that may coil, and of one that stays straight; None without contact.
-    origin: puts the string along the hole.
+    origin: the string along the hole.
     leaves_loads: the state found may be stable without its side loads, once string and flow are in equilibrium.
     """
 
@@ -61,7 +62,7 @@ class StaticProblem:
     lowering: float
     found: March | None
     straight: March | None
-    origin: Callable[[], None]
+    origin: Snapshot
     leaves_loads: bool = False
 
     @property
@@ -78,13 +79,13 @@ class StaticProblem:
     def save(self) -> Callable[[], None]:
         """Copy all that a search changes; the function returned puts it back, with friction set aside."""
         asm, solver, report = self.model.system.assembly, self.solver, self.state.equilibrium
-        before, load, y = solver.save(), asm.dead_load, asm.y.copy()
+        before, load, y = Snapshot(self.model), asm.dead_load, asm.y.copy()
         rates, imperfection = solver.rates, report.imperfection
         last = report.residual, report.increment, report.converged
         fraction = self.state.lateral_fraction
 
         def restore() -> None:
-            before()
+            before.restore()
             asm.dead_load, asm.y[:] = load, y
             solver.rates, report.imperfection = rates, imperfection
             report.residual, report.increment, report.converged = last

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
@@ -83,15 +82,6 @@ class Equilibrium:
     history: list[float] = field(default_factory=list)
 
 
-class MovedTop(Protocol):
-    """Upper end of a string; ``anchor``: its prescribed values [m, -, rad]."""
-
-    anchor: FloatArray
-
-    def shift(self, distance: float) -> None:
-        """Move the prescribed axial position by ``distance`` [m], down positive."""
-
-
 class StaticNewton:
     """Static solver of one discrete system; the state is the assembly's x, rates are zero.
 
@@ -106,7 +96,7 @@ class StaticNewton:
     depth(system): depth of the bit below the hole's end [m], its gradient (n,) by the local unknowns, and the
     depth [m] of the requested weight on bit.  The top's axial position is then an unknown (manual:
     eq-statics-wob).
-    top: the end whose prescribed position is then moved.
+    move_top(step): moves the prescribed position of the top by ``step`` [m].
     rates: (n+1,) rates of a steady motion [SI of each field per second], None at rest.
     start_increment: largest increment of a state from which a further solve starts, in the fields' scales.
     rate_weight: of the derivatives by the rates in the matrix [1/s]; a flow in a closed channel needs some.
@@ -132,7 +122,7 @@ class StaticNewton:
         self.factor = shared_factor(system)
         self.f = system.new_condensed()
         self.depth: Callable[[DiscreteSystem], tuple[float, FloatArray, float]] | None = None
-        self.top: MovedTop | None = None
+        self.move_top: Callable[[float], None] | None = None
         self.rates: FloatArray | None = None
         self.rate_weight = 0.0
         self.start_increment = CONVERGED_INCREMENT
@@ -196,18 +186,6 @@ class StaticNewton:
             yield
         finally:
             self._drag = None
-
-    def save(self) -> Callable[[], None]:
-        """Copy the unknowns and the top's place; the function returned puts them back."""
-        x, before = self.system.assembly.x, self.system.assembly.x.copy()
-        anchor = None if self.top is None else self.top.anchor.copy()
-
-        def restore() -> None:
-            x[:] = before
-            if self.top is not None:
-                self.top.anchor[:] = anchor
-
-        return restore
 
     def move(self, p: FloatArray) -> None:
         """Move the string by ``p`` (n,)."""
@@ -497,8 +475,8 @@ class StaticNewton:
             if self._searches and slope0 < 0 and progress.full > ROUNDING_INCREMENT:
                 alpha = self._search(x0, p, with_top, slope0, alpha)
             x[:n] = self._advanced(x0, p, alpha)
-            if self.depth and self.top is not None:
-                self.top.shift(alpha * move)
+            if self.depth and self.move_top:
+                self.move_top(alpha * move)
             report.increment = self._size(alpha * p)
             report.iterations += 1
             report.history.append(report.increment)

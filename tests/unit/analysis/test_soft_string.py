@@ -35,13 +35,16 @@ def test_capstan():
     well = hole([0, 300], [0, 90], 0.25)
     result = run(well, 300, n=7, weight=0.0, bottom_force=1e5, **PULL)
     assert result.hook_load == pytest.approx(148.097e3, rel=1e-5)
+    assert result.contact_force == pytest.approx(
+        result.axial_force * (np.pi / 2) / 300, rel=1e-5
+    )  # N = T/R, ends too
 
 
 def test_twist_of_a_torque_that_grows_evenly():
     """Friction along an inclined string: M falls from the top to 0 at the bit, and twists it by M L/2GJ, in any step."""
     for pieces in (1, 7):
         result = run(hole([0, 100], [60, 60], 0.3), 100, n=pieces, **TURN)
-        assert result.twist == pytest.approx(result.surface_torque * 100 / (2 * GJ), rel=1e-9)
+        assert result.twist[-1] == pytest.approx(result.surface_torque * 100 / (2 * GJ), rel=1e-9)
 
 
 @each_row(("motion", "load"), [(PULL, 183.873e3), (SLACK, 58.127e3), (TURN, 121.0e3), ({}, 121.0e3)])
@@ -51,6 +54,11 @@ def test_incline(motion, load):
     result = run(hole([0, 1000], [60, 60], 0.3), 1000, **motion)
     assert result.hook_load == pytest.approx(load, rel=1e-5)
     assert result.surface_torque == pytest.approx(3992.5 if motion is TURN else 0.0, rel=2e-5, abs=1e-9)
+    assert result.mean_contact_force == pytest.approx(WEIGHT * np.sin(np.pi / 3) * np.ones(50))
+    # the string lies on the low side
+    assert result.wall_direction == pytest.approx(
+        np.tile([-np.cos(np.pi / 3), 0, np.sin(np.pi / 3)], (51, 1))
+    )
 
 
 def test_pull_and_rotate():
@@ -110,14 +118,21 @@ def test_hanging_stretch_and_twist():
         hole([0, 2000], [0, 0], 0.3), 2000, n=13, weight=7850 * 9.81 * 3.4047325e-3, bottom_torque=1e4, **TURN
     )
     assert result.stretch == pytest.approx(0.747655, rel=2e-6)
-    assert result.twist == pytest.approx(21.24133, rel=2e-6)
+    assert result.twist[-1] == pytest.approx(21.24133, rel=2e-6)
+    assert result.elongation[0] == 0.0 and np.all(np.diff(result.elongation) > 0)
+    assert result.wall_direction == pytest.approx(np.zeros((14, 3)))
 
 
 def test_hole_crossing_north_has_the_side_forces_of_the_turned_hole():
-    """Azimuth 355 to 5 deg against 85 to 95 deg: equal forces (manual: verif-azimuth-north)."""
+    """Azimuth 355 to 5 deg against 85 to 95 deg: equal forces, sides rotated by 90 deg (manual:
+    verif-azimuth-north)."""
     a = run(hole([0, 300], [60, 60], 0.25, [355, 5]), 300, bottom_force=1e5, **PULL)
     b = run(hole([0, 300], [60, 60], 0.25, [85, 95]), 300, bottom_force=1e5, **PULL)
     assert a.hook_load == pytest.approx(b.hook_load, rel=1e-12)
+    assert a.contact_force == pytest.approx(b.contact_force, rel=1e-9)
+    assert a.wall_direction[:, [1, 2]] == pytest.approx(
+        np.c_[-b.wall_direction[:, 0], b.wall_direction[:, 2]], abs=1e-9
+    )
 
 
 def test_friction_of_the_well_sections():
@@ -143,6 +158,7 @@ def test_sections_of_the_string_and_reversed_rotation():
     assert result.torque == pytest.approx(
         [-0.3 * s * (weight * radius) @ length, -0.3 * s * 1000 * 0.085 * 400, 0.0], rel=1e-12
     )
+    assert result.contact_force == pytest.approx(s * np.array([242.0, 621.0, 1000.0]), rel=1e-9)
 
 
 def test_boundaries_must_increase():

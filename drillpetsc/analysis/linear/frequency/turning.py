@@ -12,7 +12,7 @@ from drillpetsc.analysis.motion.session.live_input import LiveInput
 from drillpetsc.analysis.statics.equilibrium import StaticState
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import move_rigidly, prescribed_motion, release
-from drillpetsc.arrays import FloatArray
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.case.blocks.ends import HeldBottom, HeldTop, TopDrive
 from drillpetsc.case.case import Case
 from drillpetsc.case.checks.limits import refuse_quaternion
@@ -75,7 +75,7 @@ class TurningModel:
             self._down = changed["lowering"] = LiveInput(case.top.lowering)
         top = case.top.model_copy(update=changed)
         self.model: DrillingModel = build_model(case.model_copy(update={"top": top}), comm, balanced=balanced)
-        self._static: tuple[Any, StaticState, FloatArray, FloatArray] | None = None
+        self._static: tuple[Any, StaticState, Snapshot] | None = None
         self.solved = 0  # static equilibria found
 
     def at(self, speed: float, lowering: float | None = None) -> StaticState:
@@ -97,9 +97,9 @@ class TurningModel:
         if self._static is None or self._static[0] != key:
             state = find_equilibrium(model, motion)
             self.solved += 1
-            self._static = key, state, model.system.assembly.x.copy(), model.top.anchor.copy()
+            self._static = key, state, Snapshot(model)
         else:
-            model.system.assembly.x[:], model.top.anchor[:] = self._static[2:]
+            self._static[2].restore()
             for component in model.components:
                 component.hold()
             state = self._static[1]

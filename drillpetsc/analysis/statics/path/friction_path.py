@@ -15,6 +15,7 @@ from drillpetsc.analysis.statics.imperfection import nodal_weight
 from drillpetsc.analysis.statics.path.path_answer import OVERLOAD, STEADY, PathAnswer, PathEnd, PathKind
 from drillpetsc.analysis.statics.path.path_question import may_slack_off
 from drillpetsc.analysis.statics.placement import end_is_held, place_along_hole, top_depth
+from drillpetsc.analysis.statics.snapshot import Snapshot
 from drillpetsc.analysis.statics.start.march import March, axial_compliance, march, place_marched
 from drillpetsc.analysis.statics.steady_flow import fluid_unknowns, freeze_flow, steady_flow
 from drillpetsc.arrays import FloatArray
@@ -293,12 +294,12 @@ class FrictionPath:
         On the first touch friction may swing between two directions in every Newton iteration, however short the step.
         The string then lies down with friction along the hole alone, and again with that of its motion.
         """
-        start = self.solver.save()
+        start = Snapshot(self.model)
         self._friction(speed)
         try:
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
         except SolveError:
-            start()
+            start.restore()
             for component in self.components:
                 component.impose_sliding_direction(self.sign * SPEED if speed else 0.0, 0.0, 0.0)
             self._advance(SETTLE, lambda t: 0.0, SETTLE / 10)
@@ -366,7 +367,7 @@ class FrictionPath:
         while t < duration - 1e-9:
             d = min(dt, longest, duration - t)
             d = duration - t if d > 0.9 * (duration - t) else d
-            x, before = asm.x[:n].copy(), self.solver.save()
+            before = Snapshot(model)
             self._set_load(load(t + d))
             if past is not None:
                 self._friction(past(t + d))
@@ -375,7 +376,7 @@ class FrictionPath:
             wob = self._end_forces()[1] if target and iterations is not None else 0.0
             beyond = target is not None and wob > (1 + WEIGHT_TOLERANCE) * target
             if iterations is None or beyond:
-                before()
+                before.restore()
                 dt, last = d / (2 if beyond else 4), (last if beyond else None)
                 if dt < SHORTEST_STEP:
                     raise SolveError(
@@ -384,7 +385,7 @@ class FrictionPath:
                         **system.locate_largest_residual(0.0),
                     )
                 continue
-            t, last, last_dt = t + d, asm.x[:n] - x, d
+            t, last, last_dt = t + d, asm.x[:n] - before.x[:n], d
             self.steps += 1
             log.append((t, *self._transmitted()))  # the flow's solve leaves no reactions
             if model.fluid is not None and self.steps % FLOW_STEPS == 0:
@@ -398,9 +399,7 @@ class FrictionPath:
                 dt = min(d * factor, longest)
         return log
 
-    def _step(
-        self, before: Callable[[], None], dt: float, moved: float, guess: FloatArray | None
-    ) -> int | None:
+    def _step(self, before: Snapshot, dt: float, moved: float, guess: FloatArray | None) -> int | None:
         """Take a step of implicit Euler of ``dt`` [s] from ``before``; returns its iterations, None if it does not converge.
 
         moved: way of the top [m, down].  guess: (n,) first guess of the motion; if it fails, a string that is not near its own state
@@ -411,7 +410,7 @@ class FrictionPath:
         along = settings.along if solver.depth is None else AXIAL_SHARE
         again = guess is not None and self.most_steps != MOST_STEPS_ON
         for guessed in (guess, None) if again else (guess,):
-            before()
+            before.restore()
             self.model.top.shift(moved)
             iterations = self.report.iterations
             try:

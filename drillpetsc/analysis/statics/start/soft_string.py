@@ -38,14 +38,21 @@ class TorqueDrag:
     md: (n+1,) measured depths [m].
     axial_force: (n+1,) [N], compression negative.
     torque: (n+1,) [N m].
-    stretch [m] and twist [rad] of the whole string.
+    contact_force: (n+1,) [N/m], mean of the two sides of a boundary.
+    wall_direction: (n+1, 3) unit direction of the contact load, from the hole axis to the touched wall; zero
+    without contact.
+    mean_contact_force: (n,) over each interval [N/m], from which friction is summed.
+    elongation: (n+1,) [m] and twist: (n+1,) [rad], from the top down to each boundary.
     """
 
     md: Array
     axial_force: Array
     torque: Array
-    stretch: float
-    twist: float
+    contact_force: Array
+    wall_direction: Array
+    mean_contact_force: Array
+    elongation: Array
+    twist: Array
 
     @property
     def hook_load(self) -> float:
@@ -56,6 +63,11 @@ class TorqueDrag:
     def surface_torque(self) -> float:
         """Torque at the top [N m]."""
         return float(self.torque[0])
+
+    @property
+    def stretch(self) -> float:
+        """Elongation of the whole string [m]."""
+        return float(self.elongation[-1])
 
 
 def slip_direction(axial_velocity: float, rotation: float, contact_radius: ArrayLike) -> tuple[Array, Array]:
@@ -125,13 +137,20 @@ def torque_drag(
     torque_step = point_weight * around[interval] * contact_radius[interval] * (mu * contact).sum(axis=1)
     torque = bottom_torque + sums_from_below(torque_step)
     # to the order of the scheme M is linear in a step; T is known at the Gauss points
+    stretch_step = point_weight * at_points.sum(axis=1) / ea[interval]
+    twist_step = point_weight * (torque[:-1] + torque[1:]) / gj[interval]
+
     boundary = np.searchsorted(edges, md)
+    force, wall_direction = _at_boundaries(well, md, tension[boundary], weight)
     return TorqueDrag(
         md=md,
         axial_force=tension[boundary],
         torque=torque[boundary],
-        stretch=float(point_weight @ (at_points.sum(axis=1) / ea[interval])),
-        twist=float(point_weight @ ((torque[:-1] + torque[1:]) / gj[interval])),
+        contact_force=force,
+        wall_direction=wall_direction,
+        mean_contact_force=np.bincount(interval, point_weight * contact.sum(axis=1), n) / np.diff(md),
+        elongation=np.r_[0.0, np.cumsum(stretch_step)][boundary],
+        twist=np.r_[0.0, np.cumsum(twist_step)][boundary],
     )
 
 
@@ -192,3 +211,24 @@ def _integrate(
         t += 0.5 * step * (f1 + f2)
         tension[i] = t
     return tension, inner
+
+
+def _at_boundaries(well: Well, md: Array, tension: Array, weight: Array) -> tuple[Array, Array]:
+    """Compute contact force (n+1,) [N/m] and its direction (n+1, 3) at the boundaries.
+
+    Inside the string they are means of the values above and below.
+
+    tension: (n+1,) axial force [N]; weight: (n,) per length [N/m].
+    """
+    load = np.zeros((len(md), 3))
+    beside = min(1e-6 * max(1.0, float(md[-1] - md[0]) / 1e3), 0.5 * float(np.diff(md).min()))
+    above, below = np.arange(1, len(md)), np.arange(len(md) - 1)  # boundaries with an interval above, below
+    for i, shift in ((above, -beside), (below, beside)):
+        _, t, kappa = well.at(md[i] + shift)
+        across = -(weight * t[:, 2])[:, None] * t
+        across[:, 2] += weight
+        load[i] += tension[i, None] * kappa + across
+    load[1:-1] *= 0.5
+    force = np.linalg.norm(load, axis=1)
+    small = force <= 1e-9 * np.abs(weight).max()
+    return force, np.divide(load, force[:, None], out=np.zeros_like(load), where=~small[:, None])

@@ -1,20 +1,23 @@
 """Relaxation of a string to its static state: steps of implicit Euler with side drag, which become infinitely long.
 
-Manual: sec-statics-relaxation.  Friction has the direction that the components impose.
+Manual: sec-statics-relaxation.  Friction has the direction that the components impose.  Side loads and a soft wall are needed by
+`buckled-collar.yaml`, side loads by free columns beyond their buckling load.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from drillpetsc.analysis.statics.snapshot import Snapshot
+from drillpetsc.analysis.statics.start.march import March
 from drillpetsc.errors import SolveError
+from drillpetsc.model.drilling_model import DrillingModel
 from drillpetsc.solvers.static.search_limit import SearchEnded
 from drillpetsc.solvers.static.static_newton import CONVERGED_INCREMENT, Drag, Equilibrium, StaticNewton
 
 FIRST_DRAG, LAST_DRAG = 1e3, 1e-2  # over the length of the step [N/m2]
 MOST_DRAG = 1e12  # beyond it no step is short enough
 MOST_STEPS, MOST_FAILED = 300, 20
-SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
 STEP_INCREMENT = 1e-2  # largest last increment of a step with drag
 STEP_ITERATIONS = 25  # of a step with drag
 #: (most iterations of a step, factor by which the next one is longer)
@@ -24,9 +27,37 @@ SHORTER = 4.0  # factor of a step's drag if it fails
 #: largest growth after a failed step, and the factor on it with each further one
 AFTER_FAILURE, LIFT = 2.0, 1.5
 BACK = 100.0  # factor of the drag if Newton's method fails after the last step
+SOFT_PENETRATION = 0.05  # penetration of the softest wall, as a share of the clearance
+SOFT_INCREMENT = 1.0  # largest last increment on a wall that is still soft
+
+
+def fall(
+    model: DrillingModel, solver: StaticNewton, report: Equilibrium, tolerance: float, found: March | None
+) -> None:
+    """Let a string whose loads have an energy come to rest downhill, while the wall becomes stiff; collective.
+
+    The softest wall yields by ``SOFT_PENETRATION`` of the clearance under the force r F^2/4EI of a helix under the largest push F
+    (Lubinski, Althouse and Logan, JPT 14(6), 1962); manual: sec-statics-stiffening.
+
+    found: march of the string, in which a push at the top may not pass; None: no wall.  Others: as for ``come_to_rest``.
+    """
+    contact, force, softest = model.contact, model.case.top.force, 1.0
+    if contact is not None and found is not None and contact.law.law == "linear":
+        push = max(-float(found.effective_tension.min()), 0.0 if force is None else -force.value(0.0))
+        stiffness = float(np.min(model.mesh.bending_stiffness[~model.mesh.is_joint]))
+        softest = max(push, 0.0) ** 2 / (4 * stiffness * SOFT_PENETRATION * contact.law.stiffness)
+    if contact is not None and 0 < softest < 0.1:
+        try:
+            for factor in np.geomspace(softest, 1.0, int(np.ceil(-np.log10(softest) / 2)) + 1)[:-1]:
+                contact.set_stiffness(factor)
+                come_to_rest(model, solver, report, SOFT_INCREMENT, downhill=True)
+        finally:
+            contact.set_stiffness(1.0)
+    come_to_rest(model, solver, report, tolerance, downhill=True)
 
 
 def come_to_rest(
+    model: DrillingModel,
     solver: StaticNewton,
     report: Equilibrium,
     tolerance: float = CONVERGED_INCREMENT,
@@ -47,7 +78,7 @@ def come_to_rest(
     over_a_hill = SolveError("the step passes over a hill of the energy")
     shorter = 0.0 if drag else FIRST_DRAG  # drag after an infinite step that fails before any other
     for _ in range(MOST_STEPS):
-        start, before = solver.save(), report.iterations
+        start, before = Snapshot(model), report.iterations
         try:
             if not drag:
                 solver.newton(report, tolerance)
@@ -64,7 +95,7 @@ def come_to_rest(
             drag, most = max(drag / min(growth, most), LAST_DRAG) if drag > LAST_DRAG else 0.0, LIFT * most
         except SolveError as error:
             failure = error
-            start()
+            start.restore()
             if isinstance(error, SearchEnded):  # so would any other step
                 break
             if shorter:
