@@ -136,9 +136,12 @@ def test_torsional_pendulum(integrator):
 
 @pytest.mark.parametrize("integrator", ["bdf", "generalized_alpha"])
 def test_stick_slip_with_frozen_steps(integrator, tmp_path):
-    """Five outputs by four keys, against differences of runs that take the same steps: 1e-4 of each derivative."""
+    """Five outputs by four keys, against differences of runs that take the same steps: 1e-4 of each derivative.
+
+    The maximum is that before 4 s: with BDF two steps later on are equal to 2e-7, and the larger of two has a kink.
+    """
     keys = "formation.bit_law.static,formation.bit_law.dynamic,string[0].torsional_stiffness,string[1].inertia.axial"
-    of = "surface_torque.mean[2:8],surface_torque.rms,bit_speed.mean,bit_speed.rms[1:7],bit_speed.max"
+    of = "surface_torque.mean[2:8],surface_torque.rms,bit_speed.mean,bit_speed.rms[1:7],bit_speed.max[0:4]"
     question = Question("run", of.split(","), keys.split(","), check=4)
     run_sensitivities(Job(rock_bit(integrator), tmp_path / "r"), question)
     summary = json.loads((tmp_path / "r/summary.json").read_text())

@@ -128,7 +128,7 @@ def test_survey_files(text: str, tmp_path: Path) -> None:
         ("md [s],inclination,azimuth\n0,0,0\n", 1, "a length"),
         ("md,inclination,azimuth\n0,0,0\n30,x,0\n", 3, "a number in deg"),
         ("md,inclination,azimuth\n0,0,0\n30,1\n", 1, "at least two stations"),
-        ("md,inclination,azimuth\n5,5,0\n30,6,0\n", 2, "tie-in"),
+        ("md,inclination,azimuth\n5,5,0\n30,6,0\n", 2, "tie_in"),
         ("md,inclination,azimuth\n0,0,0\n", 1, "at least two stations"),
         ("md,inclination,azimuth\n0,0,0\n30,nan,0\n", 3, "a number in deg"),
     ],

@@ -80,7 +80,7 @@ def test_limits_of_an_angle_are_told_in_its_unit(angle: Any, want: str) -> None:
         ({"file": "x.csv", "tie_in": {"md": "5 kg"}}, "well.survey.tie_in.md", "a length"),
         ({"file": 5}, "well.survey.file", "text"),
         ({"file": "x.csv", "md": [0, 1]}, "well.survey.md", "one of these keys"),
-        ({"file": "x.csv"}, "md", "tie-in"),
+        ({"file": "x.csv"}, "md", "tie_in"),
     ],
 )
 def test_wrong_options(survey: Any, at: str, text: str, file: str) -> None:
