@@ -25,23 +25,30 @@ class ClockError(ValueError):
         self.row, self.want = row, want
 
 
-def clock_times(texts: Sequence[str]) -> tuple[FloatArray, datetime]:
-    """(seconds since the first row (n,), time of the first row).
+def order_of(texts: Sequence[str], known: str = "") -> str:
+    """Whether dates have the `day` or the `month` first: which of the two numbers is above 12 in some row; of dates with dots the day.
 
-    Accepts ISO 8601, 31.12.2020 13:00, and 31/12/2020 13:00 or 12/31/2020 1:00 PM. With slashes, whether the day or the month comes
-    first must follow from the column: some first or second number above 12. With dots the day is first. Raises ClockError.
+    known: of rows before; empty if no row shows it. Raises ClockError for rows that contradict each other.
     """
-    order = ""
+    order, dotted = known, False
     for text in texts:
         match = _DATE.match(text)
         if match:
             first, second = int(match.group(1)), int(match.group(2))
-            dotted = text[match.end(1)] == "."
-            found = "day" if (dotted or first > 12) and second <= 12 else ""
-            found = found or ("month" if second > 12 >= first and not dotted else "")
+            found = "day" if first > 12 >= second else "month" if second > 12 >= first else ""
             if found and order and found != order:
                 raise ClockError(texts.index(text), f"the {order} first, as in other rows")
-            order = found or order
+            order, dotted = found or order, dotted or text[match.end(1)] == "."
+    return order or ("day" if dotted else "")
+
+
+def clock_times(texts: Sequence[str], order: str = "") -> tuple[FloatArray, datetime]:
+    """(seconds since the first row (n,), time of the first row).
+
+    Accepts ISO 8601, and 31/12/2020 13:00, 31.12.2020 13:00 or 12/31/2020 1:00 PM. order: of rows before (`order_of`).
+    Raises ClockError.
+    """
+    order = order_of(texts, order)
     out = np.empty(len(texts))
     first_time: datetime | None = None
     for i, text in enumerate(texts):

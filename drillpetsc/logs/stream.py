@@ -14,7 +14,7 @@ from drillpetsc.arrays import FloatArray
 from drillpetsc.case.files.named_file import cells_of
 from drillpetsc.errors import CaseError
 from drillpetsc.logs.channels import READINGS, Heading
-from drillpetsc.logs.clock import ClockError, clock_times
+from drillpetsc.logs.clock import ClockError, clock_times, order_of
 from drillpetsc.logs.files import (
     TITLE_LINES,
     Sheet,
@@ -45,6 +45,7 @@ class LogStream:
         self._mark = ""
         self._columns: dict[str, tuple[int, str]] = {}  # channel -> number, unit
         self._last = -np.inf
+        self._order = ""  # of day and month, which later rows need not show
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -191,6 +192,7 @@ class LogStream:
         return out
 
     def _since_start(self, texts: list[str]) -> FloatArray:
-        seconds, first = clock_times(texts)
+        seconds, first = clock_times(texts, self._order)
+        self._order = order_of(texts, self._order)
         self.start = self.start or first
         return seconds + (first - self.start).total_seconds()

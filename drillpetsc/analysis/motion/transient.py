@@ -446,7 +446,7 @@ class TransientRun:
         work = self.integrator.work
         left = work.total_left() if work is not None and error is None else None
         if self.case.fluid is not None and self.case.fluid.formulation == "hermite":
-            left = None  # the rest is not the time formula's alone (doubts/motion.py, UnbalancedVolumes)
+            left = None  # the rest is not the time formula's alone (doubts/motion.py, unbalanced_volumes)
         result |= summary.outcome(model, self.recorder, self.notes, self.t, error, left)
         result |= self.estimate.as_dict(error is None) | {"memory": self.memory.as_dict(error is None)}
         damping_step = self._take_time_error(result)

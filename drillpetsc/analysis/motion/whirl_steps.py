@@ -244,7 +244,7 @@ class WhirlSteps:
         """The part whose whirl is the fastest, if steps that this object has not limited take more of its energy; None without one.
 
         step: median step of the run [s]; turned: largest rotation of the string [rad/s].  Collective.
-        Returns the values of the sentence of ``WhirlDamped``.
+        Returns the values of the sentence of ``whirl_damped``.
         """
         touched = self._rates()
         lost = [

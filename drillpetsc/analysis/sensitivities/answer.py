@@ -69,9 +69,8 @@ class Answer:
     def lines(self, by: str) -> list[str]:
         """What is printed, in the units of the case; by: what the derivatives were checked with."""
         system = self.case.shown_units
-        lines = [
-            f"{self.case.title or 'case'}: sensitivities of {self.analysis}, effect of a change of each key"
-        ]
+        of = "a run" if self.analysis == "run" else self.analysis
+        lines = [f"{self.case.title or 'case'}: sensitivities of {of}, effect of a change of each key"]
         deepest = max((d.output.bit_depth for d in self.found), default=np.nan)
         for output in dict.fromkeys(d.output for d in self.found):
             if output.bit_depth == output.bit_depth and output.bit_depth != deepest:

@@ -110,8 +110,8 @@ def _text_rows(path: Path) -> tuple[Rows, str]:
 def _sheet_rows(path: Path, sheet: str) -> Rows:
     from drillpetsc.case.importers.sheet import sheets_of
 
-    first = next(iter(sheets_of(path, sheet).values()))
-    return [(i, row) for i, row in enumerate(first, 1) if any(row)]
+    sheets = sheets_of(path, sheet, 1).values()
+    return [(i, row) for rows in sheets for i, row in enumerate(rows, 1) if any(row)]
 
 
 def _las_rows(path: Path) -> Rows:

@@ -74,8 +74,8 @@ def workbook(file: Path, most: int = MAX_BYTES) -> Iterator[Any]:
         ) from None
 
 
-def sheets_of(file: Path, sheet: str = "") -> dict[str, list[list[str]]]:
-    """Cells of the sheets of a workbook as texts, by their names; of one sheet if it is named.
+def sheets_of(file: Path, sheet: str = "", count: int | None = None) -> dict[str, list[list[str]]]:
+    """Cells of the sheets of a workbook as texts, by their names; of one sheet if it is named, else of the first ``count`` or all.
 
     CaseError for a name that no sheet has.
     """
@@ -86,7 +86,7 @@ def sheets_of(file: Path, sheet: str = "") -> dict[str, list[list[str]]]:
         most = {"max_row": MAX_ROWS + HEADER_ROWS + 1, "max_col": 200, "values_only": True}
         return {
             name: [[cell_text(cell) for cell in row] for row in book[name].iter_rows(**most)]
-            for name in ([sheet] if sheet else names)
+            for name in ([sheet] if sheet else names[:count])
         }
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from drillpetsc.case.importers.table import _THOUSANDS, NEEDED, SI_UNIT, Table
+from drillpetsc.case.importers.table import _POINTED, _THOUSANDS, NEEDED, SI_UNIT, Table
 from drillpetsc.case.quantities import said
 from drillpetsc.errors import CaseError
 from drillpetsc.unit_systems import System
@@ -108,6 +108,8 @@ def number_of(text: str, comma: str) -> float | None:
     text = text.strip().strip("\"'").strip()
     if comma == "decimal" and "," in text:
         text = text.replace(".", "").replace(",", ".") if text.count(",") == 1 else "no number"
+    elif comma == "decimal" and _POINTED.fullmatch(text):
+        text = text.replace(".", "")
     elif "," in text and _THOUSANDS.fullmatch(text):
         text = text.replace(",", "")
     number = float(text) if _NUMBER.fullmatch(text) else math.inf

@@ -441,6 +441,8 @@ def unit_in_comments(comments: Sequence[str]) -> str:
 
 
 _THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:,\d{3})+(?:\.\d*)?")
+#: 1.200: with decimal commas it is 1200
+_POINTED = re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+")
 
 
 def comma_in_numbers(
@@ -459,9 +461,15 @@ def comma_in_numbers(
     both = [text for _, text in with_comma if "." in text]
     if both:
         return "thousands" if all(_THOUSANDS.fullmatch(text) for text in both) else "decimal"
+    want, unclear = "a decimal point, or numbers that show what the comma is", with_comma
+    points = [(number, text) for number, text in texts if "." in text]
     if any(not _THOUSANDS.fullmatch(text) or text.lstrip("+-").startswith("0") for _, text in with_comma):
-        return "decimal"
-    number, text = with_comma[0]
-    want = "a decimal point, or numbers that show what the comma is"
-    hint = f"{text} may be {text.replace(',', '')} or {text.replace(',', '.')}"
+        want = "numbers without points beside those with decimal commas"
+        unclear = [(number, text) for number, text in points if _POINTED.fullmatch(text)]
+        if not unclear:
+            return "decimal"
+    elif any(re.fullmatch(r"[+-]?\d*\.\d+", text) and not _POINTED.fullmatch(text) for _, text in points):
+        return "thousands"
+    number, text = unclear[0]
+    hint = f"{text} may be {re.sub('[.,]', '', text)} or {text.replace(',', '.')}"
     raise CaseError(got=text, want=want, hint=hint, file=file, line=number)

@@ -22,9 +22,8 @@ _MEASURED = (TIME, *STRING_FIELDS, *CONTACT, *_ENDS, *MUD, SIDE_FLOW, *MUD_FIELD
 
 
 def _condition(cell: str) -> str:
-    """The text of one name of ``conditions``, or of several; another cell is a text itself."""
-    known, names = vars(conditions), cell.split()
-    return ", ".join(known[name] for name in names) if all(name in known for name in names) else cell
+    """The text of one name of ``conditions``, or of several; a cell with small letters is a text itself."""
+    return ", ".join(getattr(conditions, name) for name in cell.split()) if cell == cell.upper() else cell
 
 
 def _read() -> dict[str, dict[Quantity, str]]:
@@ -47,10 +46,8 @@ COLUMNS = {table: tuple(columns) for table, columns in CONDITIONS.items()}
 
 
 def columns_of(file: str, rows: Sequence[Mapping[str, Any] | Sequence[Any]]) -> list[Quantity]:
-    """Columns of a file that its rows have, by name or as many as there are cells; without a row, those that every such file has."""
-    if not rows:
-        own = next(iter(CONDITIONS[file].values()))
-        return [q for q, condition in CONDITIONS[file].items() if condition == own]
-    if isinstance(rows[0], Mapping):
-        return [q for q in COLUMNS[file] if q.name in rows[0]]
-    return list(COLUMNS[file][: len(rows[0])])
+    """Columns that every such file has, and those beside them that its rows have: by name, or as many as there are cells."""
+    if rows and not isinstance(rows[0], Mapping):
+        return list(COLUMNS[file][: len(rows[0])])
+    own, names = next(iter(CONDITIONS[file].values())), rows[0] if rows else ()
+    return [q for q, condition in CONDITIONS[file].items() if condition == own or q.name in names]

@@ -44,6 +44,11 @@ def test_commas_between_semicolons(tmp_path):
     assert [(p.bit_depth, p.torque) for p in found] == [(950.0, 6125.0), (1030.5, 7250.0)]
     with pytest.raises(CaseError, match="6,125 may be 6125 or 6.125"):
         points(tmp_path, head + "950;ROB;6,125\r\n")
+    with pytest.raises(CaseError, match=r"1\.200 may be 1200 or 1\.200"):
+        points(tmp_path, head + "1.200;ROB;6,1\r\n")
+    found = points(tmp_path, head + "1.200;ROB;6,1\r\n1.210,5;ROB;6,2\r\n")
+    assert [p.bit_depth for p in found] == [1200.0, 1210.5]
+    assert points(tmp_path, head + "9,500;ROB;12.5\r\n")[0].bit_depth == 9500.0
     assert points(tmp_path, 'depth,op,torque\n"9,500",ROB,6\n')[0].bit_depth == 9500.0
 
 

@@ -56,6 +56,14 @@ def test_a_column_of_dates_beside_the_times_changes_no_point():
     assert _points(lines, 7) == _points(_trip(), 7)
 
 
+def test_the_order_of_day_and_month_holds_for_later_pieces():
+    """Rows of the 31st show it, those of the first days of a month no longer do."""
+    stream = LogStream("rig.csv")
+    stream.rows([HEAD, "31/01/2026 23:59:50,2300,2400,600,0,0"])
+    log = stream.rows(["01/02/2026 00:00:00,2300,2400,600,0,0"])
+    assert log is not None and log.values["time"].tolist() == [10.0] and not stream.left_out
+
+
 def test_restart_amid_a_stand():
     lines = _trip()
     stream = LogStream("rig.csv")

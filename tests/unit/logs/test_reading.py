@@ -189,9 +189,11 @@ def test_clocks():
     assert seconds.tolist() == [0, 30]
     _, start = clock_times(["01.03.2026 06:00:00"])
     assert start.isoformat() == "2026-03-01T06:00:00+00:00"
+    _, start = clock_times(["12.11.2020 10:00", "12.31.2020 10:00"])
+    assert start.isoformat() == "2020-12-11T10:00:00+00:00"
     for rows, words in (
         (["31/12/2020 10:00", "12/31/2020 10:00"], "the day first"),
-        (["31.12.2020 10:00", "12.31.2020 10:00"], "a date and time"),
+        (["31.12.2020 10:00", "12.31.2020 10:00"], "the day first"),
         (["01/03/2026 10:00"], "no row has a number above 12"),
         (["06:00:00"], "--map date=TITLE"),
     ):

@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drillpetsc.output import Table, read_table, write_table
-from drillpetsc.output.files.tables import read_numbers, read_titles, rows_as_text
+from drillpetsc.output.files.tables import read_numbers, read_titles, rows_as_text, write_rows
+from drillpetsc.output.quantities.tables import _condition, columns_of
 from tests.helpers.tables import each_row
 
 COLUMNS = [("time", "s"), ("hook_load", "N"), ("newton", "-")]
@@ -23,6 +24,18 @@ def test_header_has_names_and_units_of_what_is_there_only(tmp_path: Path) -> Non
     assert (tmp_path / "history.csv").read_text() == "time [s],hook_load [N],newton [-]\n"
     Table(tmp_path / "history.csv", COLUMNS[:2]).close()
     assert (tmp_path / "history.csv").read_text() == "time [s],hook_load [N]\n"
+
+
+def test_rows_of_a_command_have_the_columns_that_every_file_has(tmp_path: Path) -> None:
+    """A column with a condition may be absent; one without it that a row lacks is an error, and not a file without it."""
+    whole = {q.name: 0.0 for q in columns_of("modes.csv", [])}
+    assert "stokes_number" not in whole
+    assert [q.name for q in columns_of("modes.csv", [whole | {"stokes_number": 1.0}])][-1] == "stokes_number"
+    short = [{name: value for name, value in whole.items() if name != "frequency"}]
+    with pytest.raises(KeyError, match="frequency"):
+        write_rows(tmp_path / "modes.csv", columns_of("modes.csv", short), short)
+    with pytest.raises(AttributeError):
+        _condition("BORRE")
 
 
 def test_two_columns_of_one_name_and_commas_are_refused(tmp_path: Path) -> None:
