@@ -38,10 +38,8 @@ from drillpetsc.solvers.time.scaled_tolerance import scaled_tolerance
 USUAL = ("surface_torque.mean", "hook_load.mean")
 #: relative, of the differences of runs with frozen steps: at ten times these, their curvature in stick-slip leaves 3e-4
 CHECK_STEPS = 1e-4, 1e-5
-CHECK_STEPS_IN_MUD = (
-    1e-3,
-    1e-4,
-)  # static starts in mud leave some 1e-10 of the pressure, which differences of 1e-5 show
+#: the same in mud, where differences of 1e-5 show the noise of static starts
+CHECK_STEPS_IN_MUD = 1e-3, 1e-4
 #: of these differences, relative to output and key: static starts with mud converge to 1e-10 of usual pressures, and the weight on a bit
 #: that cuts follows from positions that are rounded
 ROUNDING_OF_DIFFERENCES = 5e-6
