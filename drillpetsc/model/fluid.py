@@ -276,7 +276,8 @@ def _bit_flow(
     way = _lowered(string.case)
     if f.formulation == "hermite":
         pair: Any = (bore_flow, annulus)  # both are Hermite channels
-        end = replace(end, volume=end.volume + end.hole * _continued(string, end, way))
+        more = _continued(string, end, way)
+        end = replace(end, volume=end.volume + end.hole * more, more=more)
         return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
     if way > 0.0:  # stretch alone may close the bottom
         more = _continued(string, end, way)
