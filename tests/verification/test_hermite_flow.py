@@ -441,12 +441,12 @@ def test_a_lowered_free_end_goes_on_in_the_hole_that_its_run_was_begun_in(formul
     Its mud would be mud that was not there before: the pressure at the bit jumped, or mud was drawn in at the flow line.
     """
 
-    def bit(end: float) -> BitFlow:
+    def bit(end: float, lowering: object = 0.1) -> BitFlow:
         case = Case(
             string=[pipe(100.0, 50.0)],
             well=simple_well(100.0, 0.2159),
             contact="none",
-            top={"kind": "top_drive", "rotation": 0.0, "lowering": 0.1},
+            top={"kind": "top_drive", "rotation": 0.0, "lowering": lowering},
             fluid={"density": 1200.0, "rheology": WATER, "formulation": formulation},
             time={"end": end},
         )
@@ -465,6 +465,8 @@ def test_a_lowered_free_end_goes_on_in_the_hole_that_its_run_was_begun_in(formul
         ] == pytest.approx(102.5)
     with pytest.raises(CaseError, match="not later than the run was begun for"):
         bit(30.0).set_state(begun.get_state())
+    # 0.5 m down in 10 s, then up again: the lowest place is between the times that the case gives; and 0.5 % of stretch
+    assert bit(20.0, {"time": [0.0, 20.0], "value": [0.1, -0.1]}).end.more == pytest.approx(0.5 + 0.5)
 
 
 @pytest.mark.parametrize("kind", ["on a node", "between nodes", "beside a rigid item", "pressed", "curved"])
