@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -276,7 +277,8 @@ def _bit_flow(
     way = _lowered(string.case)
     if f.formulation == "hermite":
         pair: Any = (bore_flow, annulus)  # both are Hermite channels
-        end = replace(end, volume=end.volume + end.hole * _continued(string, end, way))
+        more = _continued(string, end, way)
+        end = replace(end, volume=end.volume + end.hole * more, more=more)
         return HermiteBit(last, end, constants, f.flow_rate, pair, string.position[-1], string.held_at)
     if way > 0.0:  # stretch alone may close the bottom
         more = _continued(string, end, way)
@@ -290,7 +292,13 @@ def _lowered(case: Case) -> float:
     lowering, time = case.top.lowering, case.time
     if lowering is None or time is None or time.end is None:
         return 0.0
-    return max(0.0, *(lowering.integral(t) for t in (time.end, *lowering.breaks()) if t <= time.end))
+    times = [0.0, *(t for t in lowering.breaks() if 0.0 < t < time.end), time.end]
+    ways = [lowering.integral(t) for t in times]
+    for start, end in pairwise(times):  # where a speed that falls along a line turns round
+        first, last = lowering.value(start), lowering.value(end, before=True)
+        if first > 0.0 > last:
+            ways.append(lowering.integral(start + (end - start) * first / (first - last)))
+    return max(ways)
 
 
 def _continued(string: StringInMud, end: BitEnd, way: float) -> float:

@@ -12,6 +12,7 @@ from drillpetsc import statics
 from drillpetsc.analysis.statics.find_equilibrium import find_equilibrium
 from drillpetsc.analysis.statics.placement import move_rigidly, release
 from drillpetsc.case import Case
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.discrete_system import DiscreteSystem
 from drillpetsc.fem.quantity import Sample
 from drillpetsc.geometry.frames import transported_frames
@@ -19,6 +20,7 @@ from drillpetsc.model.drilling_model import build_model
 from drillpetsc.output.balances.mass_balance import MassBalance
 from drillpetsc.output.measured.flow_recorder import FlowRecorder
 from drillpetsc.output.recorder import Recorder
+from drillpetsc.physics.fluid.bit_flow import BitFlow
 from drillpetsc.physics.fluid.channel_flow import FluidConstants
 from drillpetsc.physics.fluid.channels import Bore
 from drillpetsc.physics.fluid.hermite.flow import HermiteBore
@@ -430,6 +432,41 @@ def test_a_free_end_that_stretch_and_lowering_bring_below_its_hole_keeps_its_buo
     assert summary["mass"]["returned"] == pytest.approx(returned, rel=0.02)
     assert summary["final"]["bit_depth [m]"] > length + 1.2
     assert summary["final"]["hook_load [N]"] == pytest.approx(weight, rel=5e-3)
+
+
+@pytest.mark.parametrize("formulation", BOTH)
+def test_a_lowered_free_end_goes_on_in_the_hole_that_its_run_was_begun_in(formulation):
+    """The hole below a free end is as deep as the whole run needs: a restart that ends earlier keeps it, and one that ends later is refused.
+
+    Its mud would be mud that was not there before: the pressure at the bit jumped, or mud was drawn in at the flow line.
+    """
+
+    def bit(end: float, lowering: object = 0.1) -> BitFlow:
+        case = Case(
+            string=[pipe(100.0, 50.0)],
+            well=simple_well(100.0, 0.2159),
+            contact="none",
+            top={"kind": "top_drive", "rotation": 0.0, "lowering": lowering},
+            fluid={"density": 1200.0, "rheology": WATER, "formulation": formulation},
+            time={"end": end},
+        )
+        found = build_model(case).part(BitFlow)
+        assert found is not None
+        return found
+
+    begun, shorter = bit(20.0), bit(10.0)
+    shorter.set_state(begun.get_state())
+    if formulation == "hermite":
+        assert shorter.travel == pytest.approx(begun.travel, rel=1e-12)
+        assert shorter._block.named["travel"] == pytest.approx(begun._block.named["travel"], rel=1e-12)
+    else:
+        assert shorter.end.end == pytest.approx(begun.end.end, rel=1e-12) and begun.end.end[
+            2
+        ] == pytest.approx(102.5)
+    with pytest.raises(CaseError, match="not later than the run was begun for"):
+        bit(30.0).set_state(begun.get_state())
+    # 0.5 m down in 10 s, then up again: the lowest place is between the times that the case gives; and 0.5 % of stretch
+    assert bit(20.0, {"time": [0.0, 20.0], "value": [0.1, -0.1]}).end.more == pytest.approx(0.5 + 0.5)
 
 
 @pytest.mark.parametrize("kind", ["on a node", "between nodes", "beside a rigid item", "pressed", "curved"])

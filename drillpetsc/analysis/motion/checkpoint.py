@@ -31,7 +31,7 @@ from drillpetsc.output.recorder import Recorder
 from drillpetsc.parallel import first_rank_gives
 from drillpetsc.solvers.time.time_integrator import TimeIntegrator
 
-VERSION = 6  # another one, too, if a kernel whose parameters a component keeps (annulus_flow) has others
+VERSION = 7  # another one, too, if a kernel whose parameters a component keeps (annulus_flow) has others
 BLOCK = 512  # bytes of the first block, the smallest size of an HDF5 user block
 MAGIC = b"drillpetsc checkpoint "
 GROUPS = ("fields", "rates", "frames", "recorder", "stepper")  # of arrays by name

@@ -6,13 +6,14 @@ Kernel: kernels/fluid/bit_flow.hpp.  Manual: sec-mud-bit, sec-mud-force-ends.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
 from drillpetsc.arrays import FloatArray
+from drillpetsc.errors import CaseError
 from drillpetsc.fem.component import Component, ElementBlock, Field
 from drillpetsc.geometry.growing_hole import GrowingHole
 from drillpetsc.geometry.well import Well
@@ -26,6 +27,7 @@ END_CORRECTION = 0.61  # of an open unflanged pipe, in radii: Levine and Schwing
 GAP_ROUNDING = constant("gap_rounding")  # distance over which a bit on bottom stops displacing mud [m]
 STRING_UNKNOWNS = 7  # of the last node, before the unknowns of the mud
 NEAR = 2.0  # distance from the bottom up to which the mud under the bit is measured from the hole's end [m]
+SAME_HOLE = 1e-6  # difference of two holes that is none [m]
 RESULTS = columns("bit_flow_results")
 LIFTED = columns("bit_flow_parameters").span("lift", "head")
 _POTENTIAL, _CONTENT = RESULTS["potential"], RESULTS["content"]
@@ -51,7 +53,8 @@ class BitEnd:
     end: (3,) lower end of the hole [m]; axis: (3,) its direction.
     tangent: (3,) of the hole at the last node, by default the axis.
     cut: rock that becomes part of the mud per length drilled [m2] (manual: sec-mud-cuttings).
-    more: length by which ``end`` is below the end of the well, where a free end is lowered further [m].
+    more: length by which the hole goes on below the end of the well, where a free end is lowered further [m]: ``end`` is there, or ``volume``
+    contains it.
     """
 
     bore: float
@@ -306,6 +309,29 @@ class BitFlow(Component):
             if grown is not None:  # the kernel adds the motion of the end since the start
                 end = end - x[-4:-1]
         return end, np.asarray(axis), distance
+
+    def get_state(self) -> dict[str, FloatArray]:
+        """How far the hole goes on below its end [m]."""
+        return {"more": np.array([self.end.more])}
+
+    def set_state(self, state: dict[str, FloatArray]) -> None:
+        """Continue in the hole of the run that is continued: its mud has been there from the start.
+
+        Raises CaseError if this run lowers a free end further below its hole.
+        """
+        further = self.end.more - float(state["more"][0])
+        if further > SAME_HOLE:
+            raise CaseError(
+                at="time.end",
+                want="not later than the run was begun for: its free end is lowered below the hole, and the mud there is that of the way till then",
+                hint="start the run again with this time.end, or with a survey that goes on below the string",
+            )
+        self._shorten(further)
+
+    def _shorten(self, less: float) -> None:
+        """Let the hole end higher by ``less`` [m]."""
+        e = self.end
+        self.end = replace(e, end=np.asarray(e.end) - less * np.asarray(e.axis), more=e.more - less)
 
     def get_local_state(self) -> dict[str, FloatArray]:
         """State of the hole at the bit for a checkpoint: (nv, p), zero except at the bit's node."""

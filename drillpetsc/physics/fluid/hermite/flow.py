@@ -482,6 +482,10 @@ class HermiteBit(BitFlow):
             ahead = float((p["end"][0] - place) @ p["axis"][0])
             p["axis"], p["end"], p["tangent"] = axis, place + axis * ahead, axis
 
+    def _shorten(self, less: float) -> None:
+        self.end, self.travel = replace(self.end, more=self.end.more - less), self.travel - less
+        self._block.named["travel"] = self.travel
+
     def get_local_state(self) -> dict[str, FloatArray]:
         """End and direction of the hole beside the bit, for a checkpoint: (nv, 9), zero except at the bit's node."""
         if self.annulus is None or self.held_at is not None:
