@@ -374,7 +374,6 @@ def _optional_components(mesh: StringMesh, frames: Frames, gravity: FloatArray, 
     return components
 
 
-# ---------------------------------------------------------------------- geometry
 # ---------------------------------------------------------------------- ends
 def _top_path(well: Well | None, frames: Frames) -> HolePath | None:
     """Create the path along which the top moves; None if it is one straight line."""
