@@ -441,4 +441,5 @@ def rounded_off(
         law = build_rheology(flow.case, annulus=channel.name == "annulus")
         rounded += wall_friction(flow, channel, law, speed)
         sharp += wall_friction(flow, channel, replace(law, shear_rate_eps=SHARP * law.shear_rate_eps), speed)
-    return sharp - rounded, 1.0 - rounded / sharp if sharp > 0 else 0.0
+    # rounding adds to the friction of a mud that thickens
+    return max(sharp - rounded, 0.0), 1.0 - rounded / sharp if sharp > 0 else 0.0
