@@ -147,7 +147,7 @@ def assert_slopes(
     """Compare p ds/dp by the key of number ``k`` with differences of runs with the same steps, to ``enough`` (n,) in each column.
 
     The step of the differences at which a column is best depends on the key: further ones are tried while one is not near enough.
-    Now and then one of the runs reads its hole a step sooner or later, which leaves 1e-7 of a column in one difference.
+    Now and then a run jumps by 1e-7 of a column, which spoils the differences by one step and not by another.
     """
     best = np.full(len(columns), np.inf)
     for step in (3e-4, 1e-3, 1e-4, 5e-4, 2e-3, 2e-4):
