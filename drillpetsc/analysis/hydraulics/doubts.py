@@ -58,7 +58,7 @@ class Pumped(Flowing):
 
 @dataclass(frozen=True)
 class Tripped(OfCase):
-    """The string moves at one speed (surge).  excess, missing: as of ``Pumped``."""
+    """The string moves at one speed (surge); excess and missing have the meaning that they have in ``Pumped``."""
 
     flow: FlowModel
     excess: float
